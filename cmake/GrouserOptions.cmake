@@ -1,0 +1,35 @@
+# One place for language level, warnings, tuning and sanitizers. Every folder's target comes through grouser_library().
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+endif()
+
+add_library(grouser_options INTERFACE)
+target_compile_options(grouser_options INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wcast-align -Wold-style-cast
+  -Wnon-virtual-dtor -Woverloaded-virtual -Wduplicated-cond -Wlogical-op -Wnull-dereference -Wimplicit-fallthrough
+  -Werror)
+# -O3 vectorises the structure-of-arrays loops. NaN and infinity keep their meaning: failures are detected by them.
+target_compile_options(grouser_options INTERFACE
+  $<$<CONFIG:Release>:-O3 -fno-math-errno -fno-trapping-math>)
+if(GROUSER_NATIVE)
+  # PUBLIC to every target alike: Eigen's alignment depends on it, so objects built differently must not meet.
+  target_compile_options(grouser_options INTERFACE -march=native)
+endif()
+if(GROUSER_SANITIZE)
+  target_compile_options(grouser_options INTERFACE -fsanitize=${GROUSER_SANITIZE} -fno-omit-frame-pointer
+    -Wno-maybe-uninitialized -Wno-null-dereference)
+  target_link_options(grouser_options INTERFACE -fsanitize=${GROUSER_SANITIZE})
+endif()
+
+# grouser_library(NAME SOURCES ... HEADERS ... [PUBLIC libs] [PRIVATE libs]): one folder, one target.
+function(grouser_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;HEADERS;PUBLIC;PRIVATE" ${ARGN})
+  add_library(${name} STATIC ${ARG_SOURCES})
+  target_sources(${name} PUBLIC FILE_SET HEADERS BASE_DIRS ${CMAKE_SOURCE_DIR} FILES ${ARG_HEADERS})
+  target_link_libraries(${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} grouser_options)
+endfunction()

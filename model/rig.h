@@ -1,0 +1,62 @@
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "model/bushing.h"
+
+namespace grouser {
+
+enum class TestKind { static_ramp, cyclic };  // "static" | "cyclic" in files
+
+/// LVDT or load cell: quantity = sensitivity * (reading - offset) + sum_k linearity[k] * (reading - offset)^(k+2).
+struct SensorCalibration {
+  std::string column;        ///< CSV column with the raw reading, unit suffix included ("lvdt_a_V")
+  double sensitivity = 1.0;  ///< SI quantity per SI reading (m/V, N/V, N m/V, rad/V)
+  double offset = 0.0;       ///< reading at zero quantity (V)
+  std::vector<double> linearity;  ///< coefficients of reading^2, ^3, ... in SI
+  /// The record behind it, when given: readings against reference values; the reader reports the largest residual.
+  std::vector<double> record_reading;
+  std::vector<double> record_quantity;
+};
+
+/// Largest |calibrated - reference| of the calibration record over the reference's full scale; 0 without a record.
+[[nodiscard]] double calibration_residual(const SensorCalibration& calibration);
+
+/// One test of a campaign as read: SI units, calibrated, in file order, nothing corrected yet.
+struct RigTest {
+  std::string name;
+  Axis axis = Axis::x;
+  TestKind kind = TestKind::cyclic;
+  std::string file;                         ///< relative to rig.json
+  std::optional<double> rate;               ///< m/s or rad/s (static)
+  std::optional<double> frequency;          ///< Hz (cyclic, as stated)
+  std::optional<double> amplitude;          ///< m or rad (cyclic, as stated)
+  std::optional<double> preset;             ///< m or rad: mean the loop runs about (14 degree preset of the torsion loops)
+  std::optional<int> discard_cycles;        ///< asked for by the file; absent = decided from the data
+  std::vector<double> time;                 ///< s; built from rate or frequency when the file has none (see time_measured)
+  bool time_measured = false;
+  std::vector<double> displacement;         ///< m or rad; mean of the LVDTs when there are two
+  std::vector<double> force;                ///< N or N m
+  std::vector<double> tilt;                 ///< half difference of two LVDTs [m]; empty with one
+};
+
+/// A measurement campaign on one specimen (rig.json + CSV files).
+struct RigRecord {
+  std::filesystem::path path;    ///< of rig.json
+  std::string specimen;
+  bool synthetic = false;        ///< generated data; `synthetic_note` says seed and generator
+  std::string synthetic_note;
+  int bushings_in_series = 1;    ///< displacement measured across this many bushings
+  double rig_compliance = 0.0;   ///< m/N, in series with the specimen
+  std::vector<SensorCalibration> displacement_sensors;  ///< empty = columns found by name
+  std::optional<SensorCalibration> force_sensor;
+  std::vector<RigTest> tests;
+  Provenance provenance;         ///< inputs = rig.json and every CSV
+};
+
+/// Reads `grouser.rig/1` and every CSV it names; throws InputError with all findings of all files.
+[[nodiscard]] RigRecord read_rig(const std::filesystem::path& file);
+
+}  // namespace grouser

@@ -1,0 +1,78 @@
+#pragma once
+#include <array>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "model/bushing.h"
+#include "model/geometry.h"
+#include "model/vehicle.h"
+
+namespace grouser {
+
+/// Level rigid ground at z = 0 in W.
+struct Terrain {
+  double friction = 0.7;   ///< coefficient, link against ground
+};
+
+/// Sprocket speed over time, linear between the points, constant outside.
+struct DriveTable {
+  std::vector<double> time;   ///< s, strictly increasing
+  std::vector<double> speed;  ///< rad/s, forward > 0
+};
+
+struct ProbeLink {
+  Side side = Side::right;
+  int link = 0;  ///< 0-based
+};
+
+struct OutputOptions {
+  double rate = 200.0;         ///< Hz, all channels
+  double probe_rate = 2000.0;  ///< Hz, probe links
+  std::vector<ProbeLink> probes;
+};
+
+/// Chung-Lee explicit, variable-step slope form (D 1).
+struct IntegratorOptions {
+  double beta = 28.0 / 27.0;          ///< 1 .. 28/27
+  double velocity_tolerance = 1e-2;   ///< m/s, local error of a link's point at half a pitch, maximum norm
+  double displacement_tolerance = 1e-5;  ///< m
+  double max_step = 2e-4;             ///< s
+  double min_step = 1e-6;             ///< s; a smaller one asked for ends the run
+  double stability_fraction = 1.2;    ///< of the (pessimistic) bound, P 3
+  double growth_limit = 1.1;
+  double fixed_step = 0.0;            ///< s; > 0 switches error control and bound off
+};
+
+struct AssemblyOptions {
+  double settle_time = 8.0;           ///< s simulated before t = 0
+  double step = 8e-5;                 ///< s
+};
+
+struct Scenario {
+  std::filesystem::path path;
+  std::string name;
+  std::string vehicle_file, bushing_file;  ///< relative to the scenario file
+  Vehicle vehicle;
+  Bushing bushing;
+  Terrain terrain;
+  std::array<DriveTable, k_num_sides> drive;
+  double duration = 0.0;              ///< s
+  double gravity = 9.81;              ///< m/s^2
+  OutputOptions output;
+  IntegratorOptions integrator;
+  AssemblyOptions assembly;
+  Provenance provenance;              ///< scenario, vehicle and bushing files
+};
+
+/// What the command line may replace.
+struct ScenarioOverrides {
+  std::string vehicle_file, bushing_file;          ///< empty = as the scenario says
+  std::map<std::string, std::string> set;          ///< "integrator.max_step_ms" -> "0.1"; "vehicle./left/track/pre_tension_kN" -> "60"
+};
+
+/// Reads `grouser.scenario/1` and the files it names; throws InputError with the findings of all of them.
+[[nodiscard]] Scenario read_scenario(const std::filesystem::path& file, const ScenarioOverrides& overrides = {});
+
+}  // namespace grouser

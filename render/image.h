@@ -1,0 +1,19 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace grouser {
+
+/// 8-bit BGR picture, row 0 at the top, rows packed.
+struct Image {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> bgr;  ///< width * height * 3
+};
+
+/// PNG, whole or not at all. Throws FileError.
+void write_png(const Image& image, const std::filesystem::path& file);
+[[nodiscard]] std::vector<std::uint8_t> encode_png(const Image& image);
+[[nodiscard]] Image read_png(const std::filesystem::path& file);
+
+}  // namespace grouser
