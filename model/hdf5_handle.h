@@ -1,0 +1,51 @@
+#pragma once
+#include <hdf5.h>
+
+#include <filesystem>
+#include <string>
+#include <utility>
+
+#include "model/errors.h"
+
+namespace grouser {
+
+/// Owner of one HDF5 identifier.
+class Hdf5Handle {
+ public:
+  using Close = herr_t (*)(hid_t);
+  Hdf5Handle() = default;
+  Hdf5Handle(hid_t id, Close close) : id_(id), close_(close) {}
+  Hdf5Handle(Hdf5Handle&& other) noexcept : id_(std::exchange(other.id_, H5I_INVALID_HID)), close_(other.close_) {}
+  Hdf5Handle& operator=(Hdf5Handle&& other) noexcept {
+    std::swap(id_, other.id_);
+    std::swap(close_, other.close_);
+    return *this;
+  }
+  ~Hdf5Handle() { reset(); }
+  void reset() {
+    if (id_ >= 0) close_(id_);
+    id_ = H5I_INVALID_HID;
+  }
+  [[nodiscard]] hid_t id() const { return id_; }
+  [[nodiscard]] explicit operator bool() const { return id_ >= 0; }
+
+ private:
+  hid_t id_ = H5I_INVALID_HID;
+  Close close_ = nullptr;
+};
+
+/// HDF5 prints its error stack by default; ours are exceptions.
+inline void silence_hdf5() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+
+[[noreturn]] inline void fail_hdf5(const std::string& action, const std::filesystem::path& file) {
+  throw FileError("cannot " + action + " in " + file.string());
+}
+
+/// `handle` itself, or a FileError when HDF5 refused.
+[[nodiscard]] inline Hdf5Handle checked(Hdf5Handle handle, const std::string& action,
+                                        const std::filesystem::path& file) {
+  if (!handle) fail_hdf5(action, file);
+  return handle;
+}
+
+}  // namespace grouser

@@ -1,0 +1,118 @@
+#include "model/provenance.h"
+
+#include <fcntl.h>
+#include <openssl/evp.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <memory>
+#include <sstream>
+
+#include "model/errors.h"
+
+namespace grouser {
+namespace {
+
+/// File descriptor that closes itself.
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  ~Descriptor() {
+    if (number_ >= 0) ::close(number_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  [[nodiscard]] int number() const { return number_; }
+
+ private:
+  int number_;
+};
+
+[[noreturn]] void fail(const std::string& action, const std::filesystem::path& file) {
+  throw FileError("cannot " + action + " " + file.string() + ": " + std::strerror(errno));
+}
+
+class Digest {
+ public:
+  Digest() : context_(EVP_MD_CTX_new(), EVP_MD_CTX_free) { EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr); }
+  void add(std::string_view bytes) { EVP_DigestUpdate(context_.get(), bytes.data(), bytes.size()); }
+  [[nodiscard]] std::string hex() {
+    std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+    unsigned int length = 0;
+    EVP_DigestFinal_ex(context_.get(), digest.data(), &length);
+    constexpr std::string_view digits = "0123456789abcdef";
+    std::string text;
+    for (unsigned int i = 0; i < length; ++i) {
+      text += digits[digest[i] >> 4];
+      text += digits[digest[i] & 15];
+    }
+    return text;
+  }
+
+ private:
+  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
+};
+
+void write_all(int descriptor, std::string_view bytes, const std::filesystem::path& file) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail("write", file);
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+}  // namespace
+
+std::string program_version() { return GROUSER_VERSION; }
+
+std::string sha256_of(std::string_view bytes) {
+  Digest digest;
+  digest.add(bytes);
+  return digest.hex();
+}
+
+std::string sha256_of_file(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) fail("read", file);
+  Digest digest;
+  std::string block(1 << 20, '\0');
+  while (stream.read(block.data(), static_cast<std::streamsize>(block.size())) || stream.gcount() > 0) {
+    digest.add(std::string_view(block).substr(0, static_cast<std::size_t>(stream.gcount())));
+  }
+  if (stream.bad()) fail("read", file);
+  return digest.hex();
+}
+
+void write_whole(const std::filesystem::path& file, std::string_view bytes) {
+  const std::string temporary = file.string() + "." + std::to_string(::getpid()) + ".part";
+  const Descriptor out(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666));
+  if (out.number() < 0) fail("write", file);
+  try {
+    write_all(out.number(), bytes, file);
+    if (::fsync(out.number()) != 0 || ::rename(temporary.c_str(), file.c_str()) != 0) fail("write", file);
+  } catch (...) {
+    ::unlink(temporary.c_str());
+    throw;
+  }
+  // The rename itself lasts only once the folder is on the disk.
+  const auto folder = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
+  const Descriptor directory(::open(folder.c_str(), O_RDONLY | O_DIRECTORY));
+  if (directory.number() >= 0) ::fsync(directory.number());
+}
+
+std::string read_whole(const std::filesystem::path& file) {
+  std::error_code code;
+  if (std::filesystem::is_directory(file, code)) throw FileError("cannot read " + file.string() + ": is a folder");
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) fail("read", file);
+  std::ostringstream bytes;
+  if (stream.peek() != std::ifstream::traits_type::eof()) bytes << stream.rdbuf();
+  if (stream.bad()) fail("read", file);
+  return std::move(bytes).str();
+}
+
+}  // namespace grouser
