@@ -1,0 +1,36 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "model/errors.h"
+
+namespace grouser {
+
+/// Collects what is wrong in one file, so that its user learns of everything at once.
+class Findings {
+ public:
+  explicit Findings(std::string file) : file_(std::move(file)) {}
+  void add(std::string place, std::string expected, std::string found, std::string hint = {}) {
+    list_.push_back({file_, std::move(place), std::move(expected), std::move(found), std::move(hint)});
+  }
+  void add(const InputError& error) { list_.insert(list_.end(), error.findings().begin(), error.findings().end()); }
+  [[nodiscard]] const std::string& file() const { return file_; }
+  [[nodiscard]] bool empty() const { return list_.empty(); }
+  [[nodiscard]] std::size_t size() const { return list_.size(); }
+  void throw_if_any() const {
+    if (!list_.empty()) throw InputError(list_);
+  }
+
+ private:
+  std::string file_;
+  std::vector<InputFinding> list_;
+};
+
+/// The candidate that `word` was probably meant to be (edit distance up to a third of its length); empty when none is
+/// near.
+[[nodiscard]] std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates);
+
+/// "did you mean X?", or nothing for an empty X.
+[[nodiscard]] std::string did_you_mean(const std::string& word);
+
+}  // namespace grouser

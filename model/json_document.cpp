@@ -1,0 +1,162 @@
+#include "model/json_document.h"
+
+#include <algorithm>
+#include <memory>
+
+namespace grouser {
+namespace {
+
+/// Builds the document and knows where it is.
+class Builder : public nlohmann::json_sax<Json> {
+ public:
+  Builder(const std::string& text, Findings& findings) : text_(text), findings_(findings) {}
+  [[nodiscard]] Json take() { return std::move(root_); }
+
+  bool null() override { return put(nullptr); }
+  bool boolean(bool value) override { return put(value); }
+  bool number_integer(number_integer_t value) override { return put(value); }
+  bool number_unsigned(number_unsigned_t value) override { return put(value); }
+  bool number_float(number_float_t value, const string_t&) override { return put(value); }
+  bool string(string_t& value) override { return put(std::move(value)); }
+  bool binary(binary_t& value) override { return put(std::move(value)); }
+  bool start_object(std::size_t) override { return open(Json::object()); }
+  bool start_array(std::size_t) override { return open(Json::array()); }
+  bool end_object() override { return close(); }
+  bool end_array() override { return close(); }
+
+  bool key(string_t& value) override {
+    Level& level = levels_.back();
+    level.key = value;
+    if (level.container->contains(value)) findings_.add(pointer_to(level.pointer, value), "each key once", "it twice");
+    return true;
+  }
+
+  bool parse_error(std::size_t position, const std::string& last_token, const Json::exception& error) override {
+    const std::size_t at = std::min(position > 0 ? position - 1 : 0, text_.size());
+    const auto begin = text_.begin(), here = begin + static_cast<std::ptrdiff_t>(at);
+    const auto line = std::count(begin, here, '\n') + 1;
+    const std::size_t newline = at > 0 ? text_.rfind('\n', at - 1) : std::string::npos;
+    const std::size_t column = newline == std::string::npos ? at + 1 : at - newline;
+    const bool overflow = dynamic_cast<const Json::out_of_range*>(&error) != nullptr;
+    const bool ended = at >= text_.size();
+    findings_.add("line " + std::to_string(line) + ", column " + std::to_string(column),
+                  overflow ? "a number that a double can hold" : "valid JSON",
+                  ended ? "the end of the file" : last_token, overflow ? "" : reason(error.what()));
+    return false;
+  }
+
+ private:
+  struct Level {
+    Json* container;
+    std::string pointer;
+    std::string key;
+  };
+
+  /// nlohmann's own sentence without its error number and position.
+  static std::string reason(const std::string& what) {
+    const std::size_t dash = what.find(" - ");
+    std::string text = dash == std::string::npos ? what : what.substr(dash + 3);
+    const std::size_t tail = text.find("; last read");
+    return tail == std::string::npos
+               ? text
+               : text.substr(0, tail) + text.substr(std::min(text.find("';", tail) + 1, text.size()));
+  }
+
+  Json* place(Json value) {
+    if (levels_.empty()) {
+      root_ = std::move(value);
+      return &root_;
+    }
+    Level& level = levels_.back();
+    if (level.container->is_array()) {
+      level.container->push_back(std::move(value));
+      return &level.container->back();
+    }
+    Json& slot = (*level.container)[level.key];
+    slot = std::move(value);
+    return &slot;
+  }
+  bool put(Json value) {
+    place(std::move(value));
+    return true;
+  }
+  bool open(Json container) {
+    std::string pointer;
+    if (!levels_.empty()) {
+      const Level& level = levels_.back();
+      pointer =
+          pointer_to(level.pointer, level.container->is_array() ? std::to_string(level.container->size()) : level.key);
+    }
+    Json* placed = place(std::move(container));
+    levels_.push_back({placed, std::move(pointer), {}});
+    return true;
+  }
+  bool close() {
+    levels_.pop_back();
+    return true;
+  }
+
+  const std::string& text_;
+  Findings& findings_;
+  Json root_;
+  std::vector<Level> levels_;
+};
+
+bool is_plain(const Json& value) { return !value.is_structured(); }
+
+void print(const Json& value, std::size_t indent, std::string& out) {
+  const bool on_one_line = value.is_array() && std::all_of(value.begin(), value.end(), is_plain);
+  if (is_plain(value) || value.empty()) {
+    out += value.dump();
+    return;
+  }
+  const std::string margin = on_one_line ? "" : "\n" + std::string(indent + 2, ' ');
+  out += value.is_array() ? '[' : '{';
+  bool first = true;
+  for (const auto& item : value.items()) {
+    if (!first) out += on_one_line ? ", " : ",";
+    first = false;
+    out += margin;
+    if (value.is_object()) out += Json(item.key()).dump() + ": ";
+    print(item.value(), indent + 2, out);
+  }
+  if (!on_one_line) out += "\n" + std::string(indent, ' ');
+  out += value.is_array() ? ']' : '}';
+}
+
+}  // namespace
+
+Json parse_json(const std::string& text, Findings& findings) {
+  Builder builder(text, findings);
+  if (!Json::sax_parse(text, &builder)) return nullptr;
+  return builder.take();
+}
+
+std::string pointer_to(const std::string& pointer, const std::string& key) {
+  std::string text = pointer + "/";
+  for (const char c : key) {
+    if (c == '~') {
+      text += "~0";
+    } else if (c == '/') {
+      text += "~1";
+    } else {
+      text += c;
+    }
+  }
+  return text;
+}
+
+std::string shown(const Json& value) {
+  if (value.is_object()) return "an object";
+  if (value.is_array()) return "an array of " + std::to_string(value.size());
+  const std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return text.size() > 60 ? text.substr(0, 57) + "..." : text;
+}
+
+std::string json_text(const Json& value) {
+  std::string text;
+  print(value, 0, text);
+  return text + "\n";
+}
+
+}  // namespace grouser
