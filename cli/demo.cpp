@@ -1,0 +1,128 @@
+#include <memory>
+
+#include "cli/command.h"
+#include "cli/interrupt.h"
+#include "cli/processes.h"
+#include "cli/stages.h"
+#include "reports/report.h"
+#include "simulator/simulate.h"
+
+namespace grouser::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string folder = "out/demo";
+  std::string data = GROUSER_TEST_DATA;
+};
+
+/// A picture of the report: where the run stands (fraction of its time) and from where it is seen.
+struct StillPlan {
+  double fraction;
+  const char* camera;
+};
+constexpr StillPlan k_stills[] = {{0.0, "chase"}, {0.65, "chase"}, {1.0, "chase"}};
+
+void identification(const fs::path& rig_file, const fs::path& folder, const Progress& progress) {
+  static_cast<void>(identify_into(rig_file, folder, 2, progress));
+}
+
+/// Drives one scenario and shows it: run.h5, run.json, film.mp4, stills, report.
+ExitCode drive_and_show(const SimulateRequest& request, const fs::path& folder, Console& console,
+                        const Progress& progress) {
+  constexpr double k_simulated = 0.12, k_filmed = 0.96;  // shares of the wall time, measured
+  const RunSummary summary = simulate(read_request(request), folder, part_of(progress, 0.0, k_simulated));
+  if (summary.status == RunStatus::stopped) return ExitCode::interrupted;
+  if (summary.status == RunStatus::failed) console.error(folder.string() + ": " + summary.message);
+  {
+    const RunFolder run = open_run(folder);
+    static_cast<void>(render_film(run, folder / "film.mp4", {}, part_of(progress, k_simulated, k_filmed)));
+    if (interrupted()) return ExitCode::interrupted;
+    for (const StillPlan& still : k_stills) {
+      RenderOptions options;
+      options.camera = still.camera;
+      static_cast<void>(still_into(run, still.fraction * summary.simulated_time, options, folder));
+    }
+  }
+  write_report({folder}, folder / "report.html");
+  return exit_code(summary.status);
+}
+
+/// The job's error becomes its exit code where it happens: a child cannot throw to its parent.
+Job guarded(double weight, Console& console, std::function<ExitCode(const Progress&)> work) {
+  return {weight, [&console, work = std::move(work)](const Progress& progress) {
+            return guard(console,
+                         [&] {
+                           Result result;
+                           result.code = work(progress);
+                           return result;
+                         })
+                .code;
+          }};
+}
+
+ExitCode make_parts(const fs::path& data, const fs::path& folder, Console& console, const Progress& progress) {
+  const fs::path fitted = folder / "identification";
+  const std::vector<Job> identify{guarded(1.0, console, [&](const Progress& tell) {
+    identification(data / "rig" / "reference" / "rig.json", fitted, tell);
+    return ExitCode::done;
+  })};
+  constexpr double k_identified = 0.1, k_driven = 0.97;  // shares of the wall time, measured
+  if (const ExitCode code = run_in_processes(identify, part_of(progress, 0.0, k_identified)); code != ExitCode::done) {
+    return code;
+  }
+  std::vector<Job> drives;
+  for (const auto& [name, weight] : {std::pair{"run_a", 17.0}, std::pair{"run_b", 6.0}}) {  // seconds of film
+    SimulateRequest request;
+    request.scenario_file = (data / "scenarios" / (std::string(name) + ".json")).string();
+    request.bushing_file = (fitted / "bushing.json").string();
+    drives.push_back(guarded(weight, console, [request, run = folder / name, &console](const Progress& tell) {
+      return drive_and_show(request, run, console, tell);
+    }));
+  }
+  return run_in_processes(drives, part_of(progress, k_identified, k_driven));
+}
+
+Result run(const Options& options, Console& console) {
+  const fs::path folder = options.folder;
+  // Relative where it can be: provenance should not name the machine's folders.
+  const fs::path data = fs::proximate(options.data);
+  fs::create_directories(folder);
+  Result result;
+  {
+    const Progress progress = console.progress("demo");
+    result.code = make_parts(data, folder, console, progress);
+    if (result.code == ExitCode::interrupted) return result;
+    if (result.code == ExitCode::done) {
+      write_report({folder / "identification", folder / "run_a", folder / "run_b"}, folder / "report.html");
+      write_index(folder);
+      static_cast<void>(progress({1.0, "index"}));
+    }
+  }
+  for (const char* name : {"run_a", "run_b"}) {
+    const fs::path summary = folder / name / "run.json";
+    if (fs::exists(summary)) result.lines.push_back(headline(read_run_summary(summary)));
+  }
+  if (result.code == ExitCode::done) {
+    result.lines.push_back((folder / "index.html").string());
+    result.json["outputs"] = {(folder / "index.html").string(), (folder / "report.json").string()};
+  }
+  return result;
+}
+
+}  // namespace
+
+Command add_demo(CLI::App& root) {
+  CLI::App* app =
+      root.add_subcommand("demo", "The whole pipeline on the synthetic reference data; ends with an index.html");
+  const auto options = std::make_shared<Options>();
+  app->add_option("-o,--output", options->folder, "Folder of index.html, identification, run_a and run_b")
+      ->type_name("DIR")
+      ->capture_default_str();
+  app->add_option("--data", options->data, "Folder with rig, vehicles and scenarios [test_data of the sources]")
+      ->type_name("DIR");
+  return {app, [options](Console& console) { return run(*options, console); }};
+}
+
+}  // namespace grouser::cli

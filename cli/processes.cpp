@@ -1,0 +1,134 @@
+#include "cli/processes.h"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include "cli/interrupt.h"
+#include "model/errors.h"
+
+namespace grouser::cli {
+namespace {
+
+/// A running job as its parent sees it.
+struct Child {
+  pid_t process = -1;
+  int pipe = -1;        ///< its progress, a line each: "fraction text"
+  std::string pending;  ///< bytes of a line that is not whole yet
+  double weight = 1.0;
+  ProgressReport report;
+};
+
+[[noreturn]] void live_as_child(const Job& job, int pipe) {
+  // Own group: Ctrl-C on the terminal reaches the parent alone, which passes it on once.
+  setpgid(0, 0);
+  prctl(PR_SET_PDEATHSIG, SIGTERM);
+  const Progress tell = [pipe](const ProgressReport& report) {
+    const std::string line = fmt::format("{} {}\n", report.fraction, report.what);
+    // A parent that no longer listens has ended: so does this work.
+    return write(pipe, line.data(), line.size()) == static_cast<ssize_t>(line.size()) && !interrupted();
+  };
+  const ExitCode code = job.work(tell);
+  std::fflush(nullptr);
+  // No destructors: what the parent held before the fork is the parent's to close.
+  _exit(static_cast<int>(code));
+}
+
+Child start(const Job& job) {
+  int ends[2];
+  if (pipe(ends) != 0) throw FileError(fmt::format("cannot make a pipe: {}", std::strerror(errno)));
+  std::fflush(nullptr);
+  const pid_t process = fork();
+  if (process < 0) throw FileError(fmt::format("cannot make a process: {}", std::strerror(errno)));
+  if (process == 0) {
+    close(ends[0]);
+    live_as_child(job, ends[1]);
+  }
+  close(ends[1]);
+  Child child;
+  child.process = process;
+  child.pipe = ends[0];
+  child.weight = job.weight;
+  return child;
+}
+
+/// Takes what the child has said; closes the pipe at its end.
+void listen(Child& child) {
+  char buffer[4096];
+  const ssize_t count = read(child.pipe, buffer, sizeof buffer);
+  if (count < 0 && errno == EINTR) return;
+  if (count <= 0) {
+    close(child.pipe);
+    child.pipe = -1;
+    child.report.fraction = 1.0;
+    return;
+  }
+  child.pending.append(buffer, static_cast<std::size_t>(count));
+  const std::size_t end = child.pending.rfind('\n');
+  if (end == std::string::npos) return;
+  const std::size_t before = end == 0 ? std::string::npos : child.pending.rfind('\n', end - 1);
+  const std::string line = child.pending.substr(before == std::string::npos ? 0 : before + 1, end - before - 1);
+  child.pending.erase(0, end + 1);
+  char* rest = nullptr;
+  child.report.fraction = std::strtod(line.c_str(), &rest);
+  child.report.what = *rest == ' ' ? rest + 1 : rest;
+}
+
+ProgressReport together(const std::vector<Child>& children) {
+  ProgressReport all;
+  double weights = 0.0;
+  for (const Child& child : children) {
+    all.fraction += child.weight * child.report.fraction;
+    weights += child.weight;
+    if (child.pipe < 0 || child.report.what.empty()) continue;
+    all.what += (all.what.empty() ? "" : " | ") + child.report.what;
+  }
+  all.fraction /= weights;
+  return all;
+}
+
+/// The code a child ended with; one that was killed counts as interrupted, one that crashed as a numerical failure.
+ExitCode wait_for(const Child& child) {
+  int status = 0;
+  while (waitpid(child.process, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (WIFEXITED(status)) return static_cast<ExitCode>(WEXITSTATUS(status));
+  const int signal = WTERMSIG(status);
+  return signal == SIGINT || signal == SIGTERM ? ExitCode::interrupted : ExitCode::numerical_failure;
+}
+
+}  // namespace
+
+ExitCode run_in_processes(const std::vector<Job>& jobs, const Progress& progress) {
+  std::vector<Child> children;
+  for (const Job& job : jobs) children.push_back(start(job));
+  bool stopping = false;
+  while (std::any_of(children.begin(), children.end(), [](const Child& child) { return child.pipe >= 0; })) {
+    std::vector<pollfd> waiting;
+    for (const Child& child : children) waiting.push_back({child.pipe, POLLIN, 0});
+    poll(waiting.data(), waiting.size(), 500 /* ms */);  // poll passes over closed ends, which are -1
+    for (std::size_t i = 0; i < children.size(); ++i) {
+      if ((waiting[i].revents & (POLLIN | POLLHUP)) != 0) listen(children[i]);
+    }
+    if (!progress(together(children)) && !stopping) {
+      stopping = true;
+      for (const Child& child : children) kill(child.process, SIGINT);
+    }
+  }
+  ExitCode worst = ExitCode::done;
+  for (const Child& child : children) {
+    if (const ExitCode code = wait_for(child); worst == ExitCode::done) worst = code;
+  }
+  return worst;
+}
+
+}  // namespace grouser::cli

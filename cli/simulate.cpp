@@ -1,0 +1,107 @@
+#include "simulator/simulate.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "cli/command.h"
+#include "cli/stages.h"
+
+namespace grouser::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  SimulateRequest request;
+  std::string folder;
+};
+
+/// `path=value` of --set; the parser has made sure of the sign.
+std::map<std::string, std::string> replacements(const std::vector<std::string>& set) {
+  std::map<std::string, std::string> replaced;
+  for (const std::string& each : set) replaced[each.substr(0, each.find('='))] = each.substr(each.find('=') + 1);
+  return replaced;
+}
+
+Result run(const Options& options, Console& console) {
+  const Scenario scenario = read_request(options.request);
+  const fs::path folder = options.folder.empty() ? fs::path(scenario.name) : fs::path(options.folder);
+  const RunSummary summary = simulate(scenario, folder, console.progress("simulate"));
+
+  Result result;
+  result.code = exit_code(summary.status);
+  if (summary.status != RunStatus::completed) console.error(folder.string() + ": " + summary.message);
+  result.lines.push_back(headline(summary));
+  result.lines.push_back(fmt::format("{} bodies, {} revolute joints, {} bushings, {} degrees of freedom",
+                                     summary.counts.bodies, summary.counts.revolute_joints, summary.counts.bushings,
+                                     summary.counts.degrees_of_freedom));
+  for (const RunCheck& check : summary.checks) {
+    result.lines.push_back(fmt::format("{} {}: {:.5g} {} ({})", check.pass ? "pass" : "FAIL", check.name, check.value,
+                                       check.unit, check.limit));
+  }
+  for (const char* name : {"run.h5", "run.json"}) {
+    result.lines.push_back((folder / name).string());
+    result.json["outputs"].push_back((folder / name).string());
+  }
+  result.json["run"] = nlohmann::ordered_json::parse(read_whole(folder / "run.json"));
+  return result;
+}
+
+}  // namespace
+
+Scenario read_request(const SimulateRequest& request) {
+  Scenario scenario =
+      read_scenario(request.scenario_file, {request.vehicle_file, request.bushing_file, replacements(request.set)});
+  std::string& command = scenario.provenance.command;
+  command = "grouser simulate " + request.scenario_file;
+  if (!request.vehicle_file.empty()) command += " --vehicle " + request.vehicle_file;
+  if (!request.bushing_file.empty()) command += " --bushing " + request.bushing_file;
+  for (const std::string& each : request.set) command += " --set " + each;
+  return scenario;
+}
+
+ExitCode exit_code(RunStatus status) {
+  switch (status) {
+    case RunStatus::completed:
+      return ExitCode::done;
+    case RunStatus::stopped:
+      return ExitCode::interrupted;
+    case RunStatus::failed:
+      return ExitCode::numerical_failure;
+  }
+  return ExitCode::numerical_failure;
+}
+
+std::string headline(const RunSummary& summary) {
+  const double real_time_factor = summary.simulated_time > 0.0 ? summary.wall_time / summary.simulated_time : 0.0;
+  return fmt::format("{} {}: {:.4g} s simulated in {:.3g} s ({:.3g} wall seconds a second), {} steps", summary.name,
+                     name_of(summary.status), summary.simulated_time, summary.wall_time, real_time_factor,
+                     summary.steps.accepted);
+}
+
+Command add_simulate(CLI::App& root) {
+  CLI::App* app = root.add_subcommand("simulate", "A vehicle drives a scenario: SCENARIO.json -> run.h5, run.json");
+  const auto options = std::make_shared<Options>();
+  app->add_option("SCENARIO.json", options->request.scenario_file,
+                  "Vehicle, bushing, terrain, drive, output: grouser.scenario/1")
+      ->required();
+  app->add_option("-o,--output", options->folder, "Run folder [the scenario's name]")->type_name("DIR");
+  app->add_option("--vehicle", options->request.vehicle_file, "Drive this vehicle instead of the scenario's")
+      ->type_name("FILE");
+  app->add_option("--bushing", options->request.bushing_file, "Use this bushing instead of the scenario's")
+      ->type_name("FILE");
+  app->add_option("--set", options->request.set, "Replace a value of the scenario, e.g. duration_s=2; may be repeated")
+      ->type_name("PATH=VALUE")
+      ->allow_extra_args(false)
+      ->check(CLI::Validator(
+          [](std::string& text) {
+            return text.find('=') == std::string::npos || text.front() == '=' ? "expected path=value, found " + text
+                                                                              : std::string();
+          },
+          "", "path=value"));
+  app->footer("A run that fails or is interrupted keeps what it computed, with its reason in run.json.");
+  return {app, [options](Console& console) { return run(*options, console); }};
+}
+
+}  // namespace grouser::cli

@@ -1,0 +1,36 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "cli/result.h"
+#include "identification/identify.h"
+#include "model/run.h"
+#include "render/render.h"
+
+/// The stages of the pipeline with their files; one subcommand each, and `demo` runs them all.
+namespace grouser::cli {
+
+/// rig.json -> folder/bushing.json, fit.json, report.html, report.json.
+[[nodiscard]] IdentifyResult identify_into(const std::filesystem::path& rig_file, const std::filesystem::path& folder,
+                                           int threads, const Progress& progress);
+
+/// What `grouser simulate` was asked to drive.
+struct SimulateRequest {
+  std::string scenario_file;
+  std::string vehicle_file, bushing_file;  ///< empty = as the scenario says
+  std::vector<std::string> set;            ///< "path=value"
+};
+/// Reads the scenario with its replacements; its provenance holds the command that repeats the run, wherever the output
+/// goes.
+[[nodiscard]] Scenario read_request(const SimulateRequest& request);
+[[nodiscard]] ExitCode exit_code(RunStatus status);
+
+/// folder/still_<time>s.png. Returns the file.
+[[nodiscard]] std::filesystem::path still_into(const RunFolder& run, double time, const RenderOptions& options,
+                                               const std::filesystem::path& folder);
+
+/// One line on a run: status, time and speed of the computation.
+[[nodiscard]] std::string headline(const RunSummary& summary);
+
+}  // namespace grouser::cli

@@ -1,0 +1,48 @@
+#include "cli/usage.h"
+
+#include <algorithm>
+
+#include "model/findings.h"
+
+namespace grouser::cli {
+namespace {
+
+std::string with_hint(const std::string& text, const std::string& word, const std::vector<std::string>& candidates) {
+  const std::string hint = did_you_mean(nearest_word(word, candidates));
+  return hint.empty() ? text : text + " (" + hint + ")";
+}
+
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+const CLI::App& innermost(const CLI::App& root) {
+  const auto chosen = root.get_subcommands();
+  return chosen.empty() ? root : *chosen.front();
+}
+
+}  // namespace
+
+std::string explain(const CLI::App& root, const CLI::ParseError& error, const std::vector<std::string>& arguments) {
+  const CLI::App& app = innermost(root);
+  const bool chosen = &app != &root;
+  const auto word =
+      std::find_if(arguments.begin(), arguments.end(), [](const auto& a) { return a.rfind('-', 0) != 0; });
+  if (!chosen && word != arguments.end()) {
+    std::vector<std::string> names;
+    for (const CLI::App* subcommand : root.get_subcommands(nullptr)) names.push_back(subcommand->get_name());
+    return with_hint("unknown subcommand " + *word, *word, names);
+  }
+  if (const std::vector<std::string> extra = app.remaining(true); !extra.empty()) {
+    if (extra.front().rfind('-', 0) != 0) return "unexpected argument " + extra.front();
+    const std::string name = extra.front().substr(0, extra.front().find('='));
+    return with_hint("unknown option " + name, name, option_names(app));
+  }
+  return chosen ? error.what() : "expected a subcommand";
+}
+
+}  // namespace grouser::cli

@@ -1,0 +1,12 @@
+#pragma once
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+namespace grouser::cli {
+
+/// One sentence on what is wrong with the command line that `root` refused, with a "did you mean" where one is near.
+[[nodiscard]] std::string explain(const CLI::App& root, const CLI::ParseError& error,
+                                  const std::vector<std::string>& arguments);
+
+}  // namespace grouser::cli
