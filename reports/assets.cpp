@@ -1,0 +1,100 @@
+#include "reports/assets.h"
+
+#include <array>
+#include <kainjow/mustache.hpp>
+#include <stdexcept>
+
+#define GROUSER_ASSET(symbol) extern "C" const char symbol##_begin[], symbol##_end[]
+GROUSER_ASSET(asset_report_mustache);
+GROUSER_ASSET(asset_run_mustache);
+GROUSER_ASSET(asset_fit_mustache);
+GROUSER_ASSET(asset_figure_mustache);
+GROUSER_ASSET(asset_provenance_mustache);
+GROUSER_ASSET(asset_index_mustache);
+GROUSER_ASSET(asset_page_css);
+GROUSER_ASSET(asset_page_js);
+GROUSER_ASSET(asset_charts_js);
+GROUSER_ASSET(asset_player_js);
+GROUSER_ASSET(asset_uplot_js);
+GROUSER_ASSET(asset_uplot_css);
+#undef GROUSER_ASSET
+
+namespace grouser {
+namespace {
+
+using kainjow::mustache::data;
+using kainjow::mustache::mustache;
+
+struct Template {
+  std::string_view name;
+  const char* begin;
+  const char* end;
+};
+const std::array<Template, 6> k_templates{{
+    {"report", asset_report_mustache_begin, asset_report_mustache_end},
+    {"run", asset_run_mustache_begin, asset_run_mustache_end},
+    {"fit", asset_fit_mustache_begin, asset_fit_mustache_end},
+    {"figure", asset_figure_mustache_begin, asset_figure_mustache_end},
+    {"provenance", asset_provenance_mustache_begin, asset_provenance_mustache_end},
+    {"index", asset_index_mustache_begin, asset_index_mustache_end},
+}};
+
+std::string template_text(std::string_view name) {
+  for (const Template& entry : k_templates)
+    if (entry.name == name) return {entry.begin, entry.end};
+  throw std::logic_error("no page template is called " + std::string(name));
+}
+
+data to_mustache(const nlohmann::json& value) {
+  switch (value.type()) {
+    case nlohmann::json::value_t::object: {
+      data object{data::type::object};
+      for (const auto& [key, item] : value.items()) object.set(key, to_mustache(item));
+      return object;
+    }
+    case nlohmann::json::value_t::array: {
+      data list{data::type::list};
+      for (const nlohmann::json& item : value) list.push_back(to_mustache(item));
+      return list;
+    }
+    case nlohmann::json::value_t::boolean:
+      return data(value.get<bool>() ? data::type::bool_true : data::type::bool_false);
+    case nlohmann::json::value_t::string:
+      // A section over an empty text is left out, as mustache does with an empty list.
+      return value.get_ref<const std::string&>().empty() ? data(data::type::bool_false)
+                                                         : data(value.get<std::string>());
+    case nlohmann::json::value_t::null:
+    case nlohmann::json::value_t::discarded:
+      return data(data::type::bool_false);
+    default:
+      return data(value.dump());
+  }
+}
+
+}  // namespace
+
+bool has_interactive_charts() {
+  // By content: the addresses of two symbols may be taken by the compiler to differ, even where nothing lies between
+  // them.
+  return std::string(asset_uplot_js_begin, asset_uplot_js_end).find("var uPlot=") != std::string::npos;
+}
+
+std::string render_page(std::string_view page, const nlohmann::json& facts) {
+  data values = to_mustache(facts);
+  for (const Template& entry : k_templates)
+    values.set("partial_" + std::string(entry.name),
+               data(kainjow::mustache::partial([name = entry.name] { return template_text(name); })));
+  values.set("style", std::string(asset_page_css_begin, asset_page_css_end));
+  values.set("script", std::string(asset_page_js_begin, asset_page_js_end) +
+                           std::string(asset_player_js_begin, asset_player_js_end));
+  values.set("chart_style", std::string(asset_uplot_css_begin, asset_uplot_css_end));
+  values.set("chart_script", has_interactive_charts() ? std::string(asset_uplot_js_begin, asset_uplot_js_end) +
+                                                            std::string(asset_charts_js_begin, asset_charts_js_end)
+                                                      : std::string());
+  mustache text(template_text(page));
+  std::string html = text.render(values);
+  if (!text.is_valid()) throw std::logic_error("page template " + std::string(page) + ": " + text.error_message());
+  return html;
+}
+
+}  // namespace grouser

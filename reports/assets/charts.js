@@ -1,0 +1,201 @@
+"use strict";
+// Interactive charts over uPlot. Each .chart element names a JSON description and a packed table of Float32 values beside it.
+const grouserCharts = (() => {
+  const all = [];
+  let spreading = false;
+
+  const css = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+  const palette = ["--s1", "--s2", "--s3", "--s4", "--s5", "--s6", "--s7", "--s8"];
+  const colorOf = (series, i) => series.color || css(palette[i % palette.length]);
+  const unitOf = label => (/\[([^\]]*)\]\s*$/.exec(label) || ["", ""])[1];
+  const number = (v, digits) => {
+    if (v == null || Number.isNaN(v)) return "–";
+    const size = Math.abs(v);
+    const text = size !== 0 && (size < 1e-3 || size >= 1e6) ? v.toExponential(2)
+      : v.toFixed(Math.max(0, Math.min(6, digits - 1 - Math.floor(Math.log10(Math.max(size, 10 ** (digits - 5)))))));
+    return text.replace("-", "\u2212");
+  };
+  const tick = v => v == null ? "" : (Math.abs(v) >= 1e5 || (v !== 0 && Math.abs(v) < 1e-3) ? v.toExponential(0) : String(+v.toPrecision(6))).replace("-", "\u2212");
+
+  // Columns of a panel in uPlot's form: one sorted x, gaps as null.
+  function columns(panel, values, offset) {
+    const tables = [], order = [];
+    for (const table of panel.tables) {
+      const read = () => { const part = values.subarray(offset, offset + table.rows); offset += table.rows; return part; };
+      const x = Array.from(read());
+      const curves = table.series.map(() => Array.from(read(), v => Number.isNaN(v) || (panel.log_y && v <= 0) ? null : v));
+      tables.push([x, ...curves]);
+      order.push(...table.series);
+    }
+    const joined = tables.length === 1 ? tables[0] : uPlot.join(tables);
+    const data = [joined[0]];
+    order.forEach((series, k) => { data[series + 1] = joined[k + 1]; });
+    return { data, offset };
+  }
+
+  function valueAt(u, series, index) {
+    const curve = u.data[series];
+    for (let reach = 0; reach < 40; ++reach) {
+      if (curve[index - reach] != null) return curve[index - reach];
+      if (curve[index + reach] != null) return curve[index + reach];
+    }
+    return null;
+  }
+
+  function drawMarks(u, panel) {
+    const c = u.ctx, box = u.bbox, ratio = devicePixelRatio;
+    c.save();
+    c.beginPath(); c.rect(box.left, box.top, box.width, box.height); c.clip();
+    c.strokeStyle = c.fillStyle = css("--soft");
+    c.lineWidth = ratio; c.setLineDash([4 * ratio, 3 * ratio]);
+    c.font = `${11.5 * ratio}px ${getComputedStyle(document.body).fontFamily}`;
+    for (const mark of panel.marks) {
+      const at = Math.round(u.valToPos(mark.at, mark.vertical ? "x" : "y", true)) + 0.5;
+      c.beginPath();
+      if (mark.vertical) { c.moveTo(at, box.top); c.lineTo(at, box.top + box.height); }
+      else { c.moveTo(box.left, at); c.lineTo(box.left + box.width, at); }
+      c.stroke();
+      const wide = c.measureText(mark.label).width, right = at + 6 * ratio + wide < box.left + box.width;
+      if (mark.vertical) { c.textBaseline = "top"; c.fillText(mark.label, right ? at + 6 * ratio : at - 6 * ratio - wide, box.top + 5 * ratio); }
+      else { c.textBaseline = "bottom"; c.fillText(mark.label, box.left + box.width - wide - 6 * ratio, at - 3 * ratio); }
+    }
+    c.restore();
+  }
+
+  // Zoom of one chart over time is the zoom of all of them.
+  function spread(u) {
+    if (spreading) return;
+    spreading = true;
+    const { min, max } = u.scales.x;
+    for (const other of all) if (other.u !== u && other.linked) other.u.setScale("x", { min, max });
+    spreading = false;
+  }
+
+  function placeNow(chart) {
+    const { u, now } = chart;
+    if (!chart.linked || chart.time == null) return;
+    const x = u.valToPos(chart.time, "x");
+    now.style.display = x >= 0 && x <= u.over.clientWidth ? "block" : "none";
+    now.style.left = x + "px";
+  }
+
+  function head(panel, chart) {
+    const top = document.createElement("div");
+    top.className = "panel-head";
+    const name = document.createElement("span");
+    name.className = "name";
+    name.textContent = [panel.title, panel.y_label].filter(Boolean).join(" · ");
+    const keys = document.createElement("span");
+    keys.className = "keys";
+    chart.keys = panel.series.map((series, i) => {
+      const key = document.createElement("button");
+      key.type = "button";
+      key.className = series.style === "dashed" ? "dashed" : "";
+      key.setAttribute("aria-pressed", "true");
+      key.append((panel.series.length > 1 || !panel.title ? series.name : "") + " ", document.createElement("b"));
+      key.onclick = () => {
+        const shown = !chart.u.series[i + 1].show;
+        chart.u.setSeries(i + 1, { show: shown });
+        key.setAttribute("aria-pressed", shown);
+      };
+      keys.append(key);
+      return key;
+    });
+    top.append(name, keys);
+    return top;
+  }
+
+  function colorKeys(chart) {
+    chart.keys.forEach((key, i) => key.style.setProperty("--key", colorOf(chart.panel.series[i], i)));
+  }
+
+  function options(panel, chart, last, width, height, label) {
+    const unit = unitOf(panel.y_label);
+    const font = "12px " + getComputedStyle(document.body).fontFamily;
+    const axis = extra => ({ stroke: () => css("--soft"), font, labelFont: font, grid: { stroke: () => css("--line"), width: 1 },
+      ticks: { show: false }, gap: 6, values: (u, splits) => splits.map(tick), ...extra });
+    const dash = { dashed: [6, 4] };
+    return {
+      width, height, legend: { show: false }, padding: [8, 12, 0, 0],
+      scales: {
+        x: { time: false, distr: panel.log_x ? 3 : 1, ...(panel.x_range ? { range: panel.x_range } : {}) },
+        y: { distr: panel.log_y ? 3 : 1, ...(panel.y_range ? { range: panel.y_range } : {}) },
+      },
+      axes: [axis(last ? { label, labelSize: 22, size: 26 } : { size: 10, values: (u, splits) => splits.map(() => "") }), axis({ size: 58 })],
+      cursor: { drag: { x: true, y: false, dist: 4 }, points: { size: 7 }, focus: { prox: -1 },
+        ...(chart.linked ? { sync: { key: "time", setSeries: false } } : {}) },
+      series: [{}, ...panel.series.map((series, i) => ({
+        label: series.name, stroke: () => colorOf(series, i), width: series.style === "points" ? 0 : Math.max(1, series.width * 0.9),
+        dash: dash[series.style], spanGaps: true, points: { show: series.style === "points" },
+        ...(series.style === "steps" ? { paths: uPlot.paths.stepped({ align: 1 }) } : {}),
+      }))],
+      hooks: {
+        draw: [u => drawMarks(u, panel)],
+        setScale: [(u, key) => { if (key === "x" && chart.u) { if (chart.linked) spread(u); placeNow(chart); } }],
+        setCursor: [u => panel.series.forEach((series, i) => {
+          const index = u.cursor.idx;
+          chart.keys[i].lastChild.textContent = index == null ? "" : number(valueAt(u, i + 1, index), 4) + (unit ? " " + unit : "");
+        })],
+      },
+    };
+  }
+
+  function seekOnClick(chart, id) {
+    let from = null;
+    chart.u.over.addEventListener("mousedown", e => { from = e.clientX; });
+    chart.u.over.addEventListener("click", e => {
+      if (from == null || Math.abs(e.clientX - from) > 3) return;
+      const time = chart.u.posToVal(e.clientX - chart.u.over.getBoundingClientRect().left, "x");
+      document.dispatchEvent(new CustomEvent("grouser-seek", { detail: { part: id.split("-")[0], time } }));
+    });
+  }
+
+  async function build(element) {
+    const id = element.dataset.chart;
+    const spec = JSON.parse(document.querySelector(`[data-spec="${id}"]`).textContent);
+    const values = new Float32Array(await unpacked(document.querySelector(`[data-values="${id}"]`).textContent));
+    const heights = [0, 280, 205, 160], height = heights[Math.min(3, spec.panels.length)];
+    let offset = 0;
+    spec.panels.forEach((panel, k) => {
+      const last = k === spec.panels.length - 1;
+      const table = columns(panel, values, offset);
+      offset = table.offset;
+      const chart = { panel, linked: panel.over_time, part: id.split("-")[0], time: null };
+      const box = document.createElement("div");
+      box.className = "panel";
+      const place = document.createElement("div");
+      place.setAttribute("role", "img");
+      place.setAttribute("aria-label", k === 0 ? element.dataset.alt : panel.title || panel.y_label);
+      box.append(head(panel, chart), place);
+      element.append(box);
+      const label = spec.panels[spec.panels.length - 1].x_label;
+      const size = () => [place.clientWidth || 600, height + (last ? 22 : 0)];
+      chart.u = new uPlot(options(panel, chart, last, ...size(), label), table.data, place);
+      chart.now = document.createElement("div");
+      chart.now.className = "now";
+      chart.u.over.append(chart.now);
+      colorKeys(chart);
+      if (chart.linked) seekOnClick(chart, id);
+      new ResizeObserver(() => { const [w, h] = size(); if (w !== chart.u.width) { chart.u.setSize({ width: w, height: h }); placeNow(chart); } }).observe(place);
+      all.push(chart);
+    });
+  }
+
+  async function start() {
+    for (const element of document.querySelectorAll(".chart[data-chart]")) await build(element);
+    const first = document.querySelector(".chart[data-chart]");
+    if (first) {
+      const help = document.createElement("p");
+      help.className = "chart-help";
+      help.textContent = "Drag to zoom, double-click to see all again; charts over time zoom together. Click a name to hide its curve.";
+      first.append(help);
+    }
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => all.forEach(chart => { colorKeys(chart); chart.u.redraw(); }));
+    document.addEventListener("grouser-time", e => {
+      for (const chart of all) if (chart.linked && chart.part === e.detail.part) { chart.time = e.detail.time; placeNow(chart); }
+    });
+    return all.length;
+  }
+
+  return { start, all };
+})();

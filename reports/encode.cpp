@@ -1,0 +1,57 @@
+#include "reports/encode.h"
+
+#include <zlib.h>
+
+#include <cstdint>
+#include <stdexcept>
+
+namespace grouser {
+
+std::string base64(std::string_view bytes) {
+  static constexpr char k_alphabet[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  const auto byte = [&](std::size_t i) -> std::uint32_t {
+    return i < bytes.size() ? static_cast<unsigned char>(bytes[i]) : 0u;
+  };
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::uint32_t triple = byte(i) << 16 | byte(i + 1) << 8 | byte(i + 2);
+    text += k_alphabet[triple >> 18 & 63];
+    text += k_alphabet[triple >> 12 & 63];
+    text += i + 1 < bytes.size() ? k_alphabet[triple >> 6 & 63] : '=';
+    text += i + 2 < bytes.size() ? k_alphabet[triple & 63] : '=';
+  }
+  return text;
+}
+
+std::string gzip(std::string_view bytes) {
+  z_stream stream{};
+  constexpr int k_gzip_window = 15 + 16;
+  if (deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, k_gzip_window, 8, Z_DEFAULT_STRATEGY) != Z_OK)
+    throw std::runtime_error("zlib could not start");
+  std::string out(deflateBound(&stream, bytes.size()) + 32, '\0');
+  // zlib reads through a non-const pointer and does not write there.
+  stream.next_in = const_cast<Bytef*>(reinterpret_cast<const Bytef*>(bytes.data()));
+  stream.avail_in = static_cast<uInt>(bytes.size());
+  stream.next_out = reinterpret_cast<Bytef*>(out.data());
+  stream.avail_out = static_cast<uInt>(out.size());
+  const int status = deflate(&stream, Z_FINISH);
+  out.resize(stream.total_out);
+  deflateEnd(&stream);
+  if (status != Z_STREAM_END) throw std::runtime_error("zlib could not compress a report payload");
+  return out;
+}
+
+std::string script_json(const nlohmann::json& value) {
+  // '<' can stand only inside a JSON string, where \u003c means the same.
+  std::string safe;
+  for (const char c : value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)) {
+    if (c == '<')
+      safe += "\\u003c";
+    else
+      safe += c;
+  }
+  return safe;
+}
+
+}  // namespace grouser

@@ -1,0 +1,189 @@
+#include "reports/figure_block.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include "reports/assets.h"
+#include "reports/encode.h"
+#include "reports/number_text.h"
+
+namespace grouser {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t k_max_chart_rows =
+    8000;  // of one curve set: about ten points a pixel column, so that a zoom still shows peaks
+
+std::string encoded_png(const Figure& figure, Theme theme) {
+  const std::vector<std::uint8_t> png = encode_png(draw(figure, theme));
+  return base64({reinterpret_cast<const char*>(png.data()), png.size()});
+}
+
+const char* style_name(SeriesStyle style) {
+  switch (style) {
+    case SeriesStyle::line:
+      return "line";
+    case SeriesStyle::dashed:
+      return "dashed";
+    case SeriesStyle::points:
+      return "points";
+    case SeriesStyle::steps:
+      return "steps";
+  }
+  return "line";
+}
+
+/// Curves of a panel that stand over the same x share one table.
+struct CurveSet {
+  const std::vector<double>* x;
+  std::vector<std::size_t> series;
+};
+std::vector<CurveSet> curve_sets(const Panel& panel) {
+  std::vector<CurveSet> sets;
+  for (std::size_t i = 0; i < panel.series.size(); ++i) {
+    const auto same = std::ranges::find_if(sets, [&](const CurveSet& set) { return *set.x == panel.series[i].x; });
+    if (same != sets.end())
+      same->series.push_back(i);
+    else
+      sets.push_back({&panel.series[i].x, {i}});
+  }
+  return sets;
+}
+
+/// Describes a panel for the page's script and appends its decimated numbers to `values`.
+json chart_panel(const Panel& panel, bool over_time, std::vector<float>& values) {
+  json chart{{"title", panel.title}, {"x_label", panel.x_label}, {"y_label", panel.y_label},
+             {"log_x", panel.log_x}, {"log_y", panel.log_y},     {"over_time", over_time}};
+  if (panel.y_range) chart["y_range"] = *panel.y_range;
+  if (panel.x_range) chart["x_range"] = *panel.x_range;
+  chart["marks"] = json::array();
+  for (const Mark& mark : panel.marks)
+    chart["marks"].push_back({{"at", mark.at}, {"vertical", mark.vertical}, {"label", mark.label}});
+  chart["series"] = json::array();
+  for (const Series& series : panel.series) {
+    json entry{{"name", series.name}, {"style", style_name(series.style)}, {"width", series.width}};
+    if (series.color)
+      entry["color"] = fmt::format("rgb({:.0f},{:.0f},{:.0f})", 255.0f * (*series.color)[0],
+                                   255.0f * (*series.color)[1], 255.0f * (*series.color)[2]);
+    chart["series"].push_back(entry);
+  }
+  chart["tables"] = json::array();
+  for (const CurveSet& set : curve_sets(panel)) {
+    std::vector<const std::vector<double>*> curves;
+    for (const std::size_t i : set.series) curves.push_back(&panel.series[i].y);
+    const std::vector<std::size_t> rows = peak_preserving_rows(curves, k_max_chart_rows);
+    chart["tables"].push_back({{"rows", rows.size()}, {"series", set.series}});
+    for (const std::size_t row : rows) values.push_back(static_cast<float>((*set.x)[row]));
+    for (const std::vector<double>* curve : curves)
+      for (const std::size_t row : rows) values.push_back(static_cast<float>((*curve)[row]));
+  }
+  return chart;
+}
+
+}  // namespace
+
+json without_payloads(const json& value) {
+  if (value.is_array()) {
+    json kept = json::array();
+    for (const json& item : value) kept.push_back(without_payloads(item));
+    return kept;
+  }
+  if (!value.is_object()) return value;
+  json kept = json::object();
+  for (const auto& [key, item] : value.items())
+    if (!key.starts_with(k_payload_prefix)) kept[key] = without_payloads(item);
+  return kept;
+}
+
+bool chartable(const Figure& figure) {
+  for (const Panel& panel : figure.panels) {
+    if (!panel.bands.empty()) return false;
+    for (const Series& series : panel.series)
+      if (series.x.size() < 2 || !std::ranges::is_sorted(series.x)) return false;
+  }
+  return !figure.panels.empty();
+}
+
+std::vector<std::size_t> peak_preserving_rows(const std::vector<const std::vector<double>*>& curves,
+                                              std::size_t max_rows) {
+  std::size_t num_rows = 0;
+  for (const std::vector<double>* curve : curves) num_rows = std::max(num_rows, curve->size());
+  std::vector<std::size_t> rows;
+  if (num_rows <= max_rows) {
+    for (std::size_t i = 0; i < num_rows; ++i) rows.push_back(i);
+    return rows;
+  }
+  const std::size_t stretches =
+      std::max<std::size_t>(1, (max_rows - 2) / (2 * std::max<std::size_t>(1, curves.size())));
+  std::set<std::size_t> kept{0, num_rows - 1};
+  for (std::size_t s = 0; s < stretches; ++s) {
+    const std::size_t begin = s * num_rows / stretches, end = (s + 1) * num_rows / stretches;
+    for (const std::vector<double>* curve : curves) {
+      std::size_t lowest = begin, highest = begin;
+      for (std::size_t i = begin; i < std::min(end, curve->size()); ++i) {
+        if ((*curve)[i] < (*curve)[lowest] || std::isnan((*curve)[lowest])) lowest = i;
+        if ((*curve)[i] > (*curve)[highest] || std::isnan((*curve)[highest])) highest = i;
+      }
+      kept.insert(lowest);
+      kept.insert(highest);
+    }
+  }
+  rows.assign(kept.begin(), kept.end());
+  return rows;
+}
+
+std::string text_alternative(const Figure& figure) {
+  std::string text = figure.title + ".";
+  for (const Panel& panel : figure.panels) {
+    const std::string heading = panel.title.empty() ? "" : panel.title + ", ";
+    text += " " + heading + panel.y_label + ":";
+    for (std::size_t i = 0; i < panel.series.size(); ++i) {
+      const Series& series = panel.series[i];
+      double low = std::nan(""), high = std::nan("");
+      for (const double value : series.y) {
+        low = std::fmin(low, value);
+        high = std::fmax(high, value);
+      }
+      const std::string name = series.name.empty() ? "" : series.name + " ";
+      text += fmt::format("{}{}from {} to {}", i == 0 ? " " : ", ", name, number_text(low, 3), number_text(high, 3));
+    }
+    text += ".";
+  }
+  return text;
+}
+
+json figure_block(const Figure& figure, const std::string& id) {
+  json block{{"id", id},
+             {"name", figure.name},
+             {"title", figure.title},
+             {"caption", figure.caption},
+             {"alt", text_alternative(figure)}};
+  const bool interactive = has_interactive_charts() && chartable(figure);
+  block["chart"] = interactive;
+  block["drawn"] = !interactive;
+  block["width"] = figure.width;
+  block["height"] = figure.height;
+  block["payload_light"] = encoded_png(figure, Theme::light);
+  if (!interactive) {
+    block["payload_dark"] = encoded_png(figure, Theme::dark);
+    return block;
+  }
+  std::vector<float> values;
+  json chart{{"id", id}, {"panels", json::array()}};
+  const bool partial = figure.name.ends_with("_zoom");
+  for (const Panel& panel : figure.panels) {
+    // Stacked panels name the shared axis on the last one only.
+    const bool over_time = figure.panels.back().x_label.starts_with("Time") && !partial;
+    chart["panels"].push_back(chart_panel(panel, over_time, values));
+  }
+  block["payload_chart"] = script_json(chart);
+  block["payload_values"] = packed(std::span<const float>(values));
+  return block;
+}
+
+}  // namespace grouser

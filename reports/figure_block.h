@@ -1,0 +1,29 @@
+#pragma once
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "render/figure.h"
+
+/// A figure as a block of a page: caption and text alternative, drawn pictures, and the data of its interactive chart.
+namespace grouser {
+
+/// Keys that start so hold what only the page needs (base64); the machine-readable twin of a page leaves them out.
+inline constexpr const char* k_payload_prefix = "payload_";
+/// The value without such keys, at every depth.
+[[nodiscard]] nlohmann::json without_payloads(const nlohmann::json& value);
+
+/// True when every series runs forward in x, so that a chart over x can show it.
+[[nodiscard]] bool chartable(const Figure& figure);
+
+/// Indices of the rows that show a set of curves on `max_rows` rows: the lowest and the highest sample of every curve
+/// in each of equal stretches of rows, and both ends. All rows when they are few enough.
+[[nodiscard]] std::vector<std::size_t> peak_preserving_rows(const std::vector<const std::vector<double>*>& curves,
+                                                            std::size_t max_rows);
+
+/// One sentence for those who cannot see the picture: what is plotted over what, and the range of each curve.
+[[nodiscard]] std::string text_alternative(const Figure& figure);
+
+/// The block: {id, name, title, caption, alt, number, chart, drawn, payload_*}. `id` is unique on the page.
+[[nodiscard]] nlohmann::json figure_block(const Figure& figure, const std::string& id);
+
+}  // namespace grouser

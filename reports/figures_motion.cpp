@@ -1,0 +1,122 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "reports/channels.h"
+#include "reports/number_text.h"
+#include "reports/run_figures.h"
+
+namespace grouser {
+namespace {
+
+constexpr double k_degree = k_pi / 180.0;
+
+}  // namespace
+
+Panel time_panel(const std::string& title, const std::string& y_label) {
+  Panel panel;
+  panel.title = title;
+  panel.x_label = "Time t [s]";
+  panel.y_label = y_label;
+  return panel;
+}
+
+Figure stacked_figure(const std::string& name, const std::string& title, const std::string& caption,
+                      std::vector<Panel> panels, int panel_height) {
+  Figure figure;
+  figure.name = name;
+  figure.title = title;
+  figure.caption = caption;
+  constexpr int k_frame = 90;  // title and the shared x axis
+  figure.height = k_frame + panel_height * static_cast<int>(panels.size());
+  for (std::size_t i = 0; i + 1 < panels.size(); ++i) panels[i].x_label.clear();
+  figure.panels = std::move(panels);
+  figure.share_x = figure.panels.size() > 1;
+  return figure;
+}
+
+Figure figure_speed(const RunFolder& run) {
+  const std::vector<double> time = require_column(run, "/time");
+  Panel vehicle = time_panel("Vehicle", "Speed v [m/s]");
+  vehicle.series.push_back({.name = "vehicle", .x = time, .y = forward_speed(run)});
+  Series feed{.name = "track feed, mean of both sides", .x = time, .y = {}, .style = SeriesStyle::dashed};
+  for (const double t : time)
+    feed.y.push_back(0.5 * (track_feed_speed(run, Side::left, drive_speed(run, Side::left, t)) +
+                            track_feed_speed(run, Side::right, drive_speed(run, Side::right, t))));
+  vehicle.series.push_back(std::move(feed));
+  Panel sprockets = time_panel("Sprockets", "Speed ω [rad/s]");
+  for (const Side side : {Side::left, Side::right})
+    sprockets.series.push_back({.name = name_of(side),
+                                .x = time,
+                                .y = require_column(run, "/joints/rate", {joint_index(run, side, "sprocket")}),
+                                .style = side == Side::left ? SeriesStyle::line : SeriesStyle::dashed});
+  return stacked_figure("speed", "Speed",
+                        "Forward speed of the chassis against the speed at which the sprockets feed the tracks "
+                        "(teeth × pitch × ω / 2π), and the sprocket speeds that drive the run.",
+                        {std::move(vehicle), std::move(sprockets)}, 190);
+}
+
+Figure figure_path(const RunFolder& run) {
+  const std::vector<double> x = require_column(run, "/chassis/position", {0}),
+                            y = require_column(run, "/chassis/position", {1});
+  Figure figure;
+  figure.name = "path";
+  figure.title = "Path";
+  figure.caption = "Path of the chassis origin over the ground, seen from above.";
+  Panel panel;
+  panel.x_label = "Forward x [m]";
+  panel.y_label = "Left y [m]";
+  panel.series.push_back({.name = "chassis origin", .x = x, .y = y, .width = 1.8f});
+  panel.series.push_back(
+      {.name = "start", .x = {x.front()}, .y = {y.front()}, .style = SeriesStyle::points, .width = 7.0f});
+  panel.series.push_back(
+      {.name = "end", .x = {x.back()}, .y = {y.back()}, .style = SeriesStyle::points, .width = 7.0f});
+  const auto [low, high] = std::ranges::minmax(y);
+  // A straight run would otherwise blow micrometres of drift up to the height of the page.
+  const double half = std::max(0.6 * (high - low), 0.05);
+  panel.y_range = {{0.5 * (low + high) - half, 0.5 * (low + high) + half}};
+  figure.panels = {std::move(panel)};
+  figure.height = 320;
+  return figure;
+}
+
+Figure figure_yaw_rate(const RunFolder& run) {
+  const std::vector<double> time = require_column(run, "/time");
+  Panel panel = time_panel("", "Yaw rate [rad/s]");
+  panel.series.push_back({.name = "vehicle", .x = time, .y = require_column(run, "/chassis/angular_velocity", {2})});
+  const double tread = run.vehicle.side(Side::left).track_center_y - run.vehicle.side(Side::right).track_center_y;
+  std::string caption = "Yaw rate of the chassis about the vertical; positive turns left.";
+  if (tread > 0.0) {
+    Series no_slip{.name = "without slip", .x = time, .y = {}, .style = SeriesStyle::dashed};
+    for (const double t : time)
+      no_slip.y.push_back((track_feed_speed(run, Side::right, drive_speed(run, Side::right, t)) -
+                           track_feed_speed(run, Side::left, drive_speed(run, Side::left, t))) /
+                          tread);
+    panel.series.push_back(std::move(no_slip));
+    caption += " Without slip it would be the difference of the track speeds over the tread.";
+  }
+  return stacked_figure("yaw_rate", "Yaw rate", caption, {std::move(panel)}, 240);
+}
+
+Figure figure_suspension(const RunFolder& run) {
+  const std::vector<double> time = require_column(run, "/time");
+  std::vector<Panel> panels;
+  for (const Side side : {Side::left, Side::right}) {
+    Panel panel = time_panel(side == Side::left ? "Left" : "Right", "Arm angle [deg]");
+    for (std::size_t i = 0; i < run.vehicle.side(side).stations.size(); ++i) {
+      const std::string arm = fmt::format("arm_{}", i + 1);
+      panel.series.push_back(
+          {.name = fmt::format("arm {}", i + 1),
+           .x = time,
+           .y = scaled(require_column(run, "/joints/angle", {joint_index(run, side, arm)}), 1.0 / k_degree),
+           .width = 1.2f});
+    }
+    panels.push_back(std::move(panel));
+  }
+  return stacked_figure("suspension", "Suspension",
+                        "Angle of every road arm against its design position, counted from the front.",
+                        std::move(panels));
+}
+
+}  // namespace grouser

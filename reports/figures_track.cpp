@@ -1,0 +1,170 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "model/errors.h"
+#include "reports/channels.h"
+#include "reports/number_text.h"
+#include "reports/run_figures.h"
+
+namespace grouser {
+namespace {
+
+constexpr double k_kilo = 1e-3;
+
+struct Partner {
+  const char* dataset;
+  const char* title;
+};
+constexpr std::array<Partner, 6> k_partners{{{"road_wheel", "Road wheels"},
+                                             {"support_roller", "Support rollers"},
+                                             {"idler", "Idler"},
+                                             {"sprocket", "Sprocket"},
+                                             {"ground", "Ground"},
+                                             {"guide", "Centre guide"}}};
+
+Probe first_probe(const RunFolder& run) {
+  const std::vector<Probe> all = probes(run);
+  if (all.empty())
+    throw InputError(InputFinding{(run.path / "run.h5").string(), "/probes", "a probe link", "none",
+                                  "name probe links in the scenario's output section"});
+  return all.front();
+}
+
+std::string probe_text(const Probe& probe) {
+  return fmt::format("link {} of the {} track", probe.link, name_of(probe.side));
+}
+
+TimeWindow require_steady_window(const RunFolder& run) {
+  const std::optional<TimeWindow> window = steady_window(run);
+  if (!window)
+    throw InputError(InputFinding{(run.path / "inputs/scenario.json").string(), "/drive",
+                                  "a stretch of constant, non-zero sprocket speed", "none", ""});
+  return *window;
+}
+
+/// Contact force magnitudes of the probe over a window, one stacked panel for each partner that it meets.
+Figure contact_panels(const RunFolder& run, const Probe& probe, const TimeWindow& window) {
+  const std::vector<double> time = require_column(run, "/probes/time");
+  std::vector<Panel> panels;
+  for (const Partner& partner : k_partners) {
+    const std::string path = probe.path + "/contact_force/" + partner.dataset;
+    if (!run.channels.has(path)) continue;
+    const std::vector<double> force = row_lengths(run.channels.read(path));
+    Panel panel = time_panel(partner.title, "|F| [kN]");
+    Series series{.name = partner.title, .x = {}, .y = {}, .width = 1.2f};
+    for (std::size_t i = 0; i < std::min(time.size(), force.size()); ++i) {
+      if (time[i] < window.begin || time[i] > window.end) continue;
+      series.x.push_back(time[i]);
+      series.y.push_back(k_kilo * force[i]);
+    }
+    panel.series.push_back(std::move(series));
+    panels.push_back(std::move(panel));
+  }
+  if (panels.empty()) (void)require_channel(run, probe.path + "/contact_force/" + k_partners.front().dataset);
+  return stacked_figure("contact_forces", "", "", std::move(panels), 130);
+}
+
+}  // namespace
+
+Figure figure_tension(const RunFolder& run) {
+  std::vector<Panel> panels;
+  std::string caption;
+  if (const std::vector<Probe> all = probes(run); !all.empty()) {
+    const Probe& probe = all.front();
+    Panel panel = time_panel(
+        fmt::format("Bushing between links {} and {}, {} track", probe.link, probe.link + 1, name_of(probe.side)),
+        "Tension [kN]");
+    panel.series.push_back({.name = "longitudinal force",
+                            .x = require_column(run, "/probes/time"),
+                            .y = scaled(require_column(run, probe.path + "/bushing_force", {0}), k_kilo),
+                            .width = 1.1f});
+    panels.push_back(std::move(panel));
+    caption =
+        "Longitudinal force in one bushing between track links as the link runs round the track (the paper's Fig. 5). ";
+  }
+  Panel upper = time_panel("Upper run, mean", "Tension [kN]");
+  const std::vector<double> time = require_column(run, "/time");
+  for (const Side side : {Side::left, Side::right})
+    upper.series.push_back(
+        {.name = name_of(side), .x = time, .y = scaled(upper_run_tension(run, side), k_kilo), .width = 1.2f});
+  panels.push_back(std::move(upper));
+  return stacked_figure("tension", "Track tension",
+                        caption + "Mean over the bushings of the upper run of each track; positive is tension.",
+                        std::move(panels));
+}
+
+Figure figure_contact_forces(const RunFolder& run) {
+  const Probe probe = first_probe(run);
+  Figure figure = contact_panels(run, probe, {0.0, run.summary.simulated_time});
+  figure.title = "Contact forces on " + probe_text(probe);
+  figure.caption =
+      "Magnitude of the force that each partner puts on the link while it runs round the track (the paper's Fig. 6).";
+  return figure;
+}
+
+Figure figure_contact_forces_zoom(const RunFolder& run) {
+  const Probe probe = first_probe(run);
+  const TimeWindow steady = require_steady_window(run);
+  const double speed = std::abs(track_feed_speed(run, probe.side, drive_speed(run, probe.side, steady.begin)));
+  const Track& track = run.vehicle.side(probe.side).track;
+  const double lap = track.num_links * track.pitch / speed;
+  // The lap ends with the steady stretch, when transients of the drive have died away.
+  Figure figure = contact_panels(run, probe, {std::max(steady.begin, steady.end - lap), steady.end});
+  figure.name = "contact_forces_zoom";
+  figure.title = "One lap of " + probe_text(probe);
+  figure.caption = fmt::format("The same forces over the last lap at steady speed ({} at {}).",
+                               quantity_text(lap, "s", 3), quantity_text(speed, "m/s", 3));
+  return figure;
+}
+
+Figure figure_sprocket_torque(const RunFolder& run) {
+  const std::vector<double> time = require_column(run, "/time");
+  Panel panel = time_panel("", "Drive torque [kN m]");
+  for (const Side side : {Side::left, Side::right})
+    panel.series.push_back(
+        {.name = name_of(side),
+         .x = time,
+         .y = scaled(require_column(run, "/joints/torque", {joint_index(run, side, "sprocket")}), k_kilo),
+         .width = 1.1f});
+  return stacked_figure("sprocket_torque", "Sprocket torque",
+                        "Torque that holds each sprocket to its prescribed speed; positive drives forward.",
+                        {std::move(panel)}, 260);
+}
+
+Figure figure_torque_spectrum(const RunFolder& run) {
+  const TimeWindow window = require_steady_window(run);
+  const std::vector<double> time = require_column(run, "/time");
+  // The first third of the stretch still rings from the change of drive.
+  const double begin = window.begin + (window.end - window.begin) / 3.0;
+  const auto first = std::lower_bound(time.begin(), time.end(), begin),
+             last = std::upper_bound(first, time.end(), window.end);
+  if (last - first < 16) (void)require_channel(run, "/time: samples of the steady stretch");
+  const double rate = static_cast<double>(last - first - 1) / (*(last - 1) - *first);
+  Panel panel;
+  panel.x_label = "Frequency f [Hz]";
+  panel.y_label = "Torque amplitude [kN m]";
+  panel.log_y = true;
+  for (const Side side : {Side::left, Side::right}) {
+    const std::vector<double> torque = require_column(run, "/joints/torque", {joint_index(run, side, "sprocket")});
+    const std::vector<double> part(torque.begin() + (first - time.begin()), torque.begin() + (last - time.begin()));
+    Spectrum spectrum = amplitude_spectrum(part, rate);
+    panel.series.push_back({.name = name_of(side),
+                            .x = std::move(spectrum.frequency),
+                            .y = scaled(std::move(spectrum.amplitude), k_kilo),
+                            .width = 1.3f});
+  }
+  const double passing = run.vehicle.side(Side::right).sprocket.teeth *
+                         std::abs(drive_speed(run, Side::right, window.begin)) / (2.0 * k_pi);
+  if (passing < 0.5 * rate) panel.marks.push_back({passing, true, number_text(passing, 3) + " Hz link passing"});
+  return stacked_figure(
+      "torque_spectrum", "Spectrum of the sprocket torque",
+      fmt::format("Amplitude spectrum of the drive torque at steady speed, {} to {} s (Hann window). Links meet the "
+                  "sprocket at teeth × ω / 2π = {}; a tension that rides with a link would smear this line.",
+                  number_text(begin, 3), number_text(window.end, 3), quantity_text(passing, "Hz", 3)),
+      {std::move(panel)}, 260);
+}
+
+}  // namespace grouser

@@ -1,0 +1,114 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "model/errors.h"
+#include "render/render.h"
+#include "reports/assets.h"
+#include "reports/channels.h"
+#include "reports/encode.h"
+#include "reports/figure_block.h"
+#include "reports/fit_figures.h"
+#include "reports/number_text.h"
+#include "reports/pages.h"
+#include "reports/report.h"
+
+namespace grouser {
+namespace {
+
+using nlohmann::json;
+
+std::string encoded(const Image& image) {
+  const std::vector<std::uint8_t> png = encode_png(image);
+  return base64({reinterpret_cast<const char*>(png.data()), png.size()});
+}
+
+json file_links(const std::filesystem::path& folder, const std::vector<std::string>& names) {
+  json links = json::array();
+  for (const std::string& name : names)
+    if (std::filesystem::exists(folder / name))
+      links.push_back({{"href", folder.filename().string() + "/" + name}, {"text", name}});
+  return links;
+}
+
+json card(const std::filesystem::path& folder, json facts) {
+  facts["href"] = folder.filename().string() + "/report.html";
+  facts["folder"] = folder.filename().string();
+  return facts;
+}
+
+json run_card(const std::filesystem::path& folder) {
+  const RunFolder run = open_run(folder);
+  const RunSummary& summary = run.summary;
+  const auto passed = std::ranges::count_if(summary.checks, &RunCheck::pass);
+  const bool pass = summary.status == RunStatus::completed && passed == static_cast<long>(summary.checks.size());
+  json facts{{"kind", "Run"}, {"title", summary.name}, {"pass", pass}, {"numbers", json::array()}};
+  facts["verdict"] = fmt::format("{}, {} of {} checks pass", name_of(summary.status), passed, summary.checks.size());
+  facts["numbers"].push_back(labelled_quantity("simulated", summary.simulated_time, "s", 3));
+  facts["numbers"].push_back(labelled_quantity("mean step", summary.steps.mean, "s", 3));
+  for (std::size_t i = 0; i < std::min<std::size_t>(4, summary.results.size()); ++i) {
+    const RunResult& result = summary.results[i];
+    facts["numbers"].push_back(
+        labelled_quantity(result.meaning.empty() ? result.name : result.meaning, result.value, result.unit, 3));
+  }
+  const std::optional<TimeWindow> steady = steady_window(run);
+  RenderOptions options;
+  options.width = 800;
+  options.height = 450;
+  facts["payload_picture"] = encoded(render_still(run, steady ? steady->end : 0.5 * summary.simulated_time, options));
+  facts["alt"] = "The vehicle in " + summary.name;
+  facts["links"] = file_links(folder, {"report.html", "report.json", "film.mp4", "run.json", "run.h5"});
+  facts["is_synthetic"] = run.scenario.bushing.synthetic || !summary.provenance.synthetic.empty();
+  return card(folder, facts);
+}
+
+json fit_card(const std::filesystem::path& folder) {
+  const FitFolder opened = open_fit(folder);
+  const FitRecord& fit = opened.fit;
+  json facts{{"kind", "Identification"}, {"title", fit.specimen}, {"numbers", json::array()}};
+  double worst = 0.0;
+  for (const TestFit& test : fit.tests) worst = std::max(worst, test.nrmse);
+  const auto converged =
+      std::ranges::count_if(fit.axes, [](const AxisFit& axis) { return axis.solver.termination == "CONVERGENCE"; });
+  facts["pass"] = converged == static_cast<long>(fit.axes.size());
+  facts["verdict"] = fmt::format("{} of {} axes converged", converged, fit.axes.size());
+  facts["numbers"].push_back(
+      {{"label", "tests"}, {"value", fit.tests.size()}, {"text", count_text(static_cast<long>(fit.tests.size()))}});
+  facts["numbers"].push_back(
+      {{"label", "largest residual of a test"}, {"value", worst}, {"text", percent_text(worst, 2)}});
+  facts["numbers"].push_back({{"label", "warnings about the data"},
+                              {"value", fit.warnings.size()},
+                              {"text", count_text(static_cast<long>(fit.warnings.size()))}});
+  facts["payload_picture"] = false;
+  if (!fit.axes.empty())
+    if (std::optional<Figure> figure = figure_backbone(fit.axes.front())) {
+      figure->width = 800;
+      figure->height = 450;
+      facts["payload_picture"] = encoded(draw(*figure, Theme::light, 1.5));
+      facts["alt"] = text_alternative(*figure);
+    }
+  facts["links"] = file_links(folder, {"report.html", "report.json", "bushing.json", "fit.json"});
+  facts["is_synthetic"] = fit.synthetic;
+  return card(folder, facts);
+}
+
+}  // namespace
+
+void write_index(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> children;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    if (entry.is_directory()) children.push_back(entry.path());
+  std::ranges::sort(children);
+  json page{{"cards", json::array()}, {"version", program_version()}};
+  for (const std::filesystem::path& child : children) {
+    if (std::filesystem::exists(child / "fit.json")) page["cards"].push_back(fit_card(child));
+    if (std::filesystem::exists(child / "run.json")) page["cards"].push_back(run_card(child));
+  }
+  if (page["cards"].empty())
+    throw InputError(InputFinding{folder.string(), "", "folders with a run.json or a fit.json", "none", ""});
+  page["is_synthetic"] =
+      std::ranges::any_of(page["cards"], [](const json& c) { return c["is_synthetic"].get<bool>(); });
+  write_whole(folder / "index.html", render_page("index", page));
+}
+
+}  // namespace grouser

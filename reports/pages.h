@@ -1,0 +1,43 @@
+#pragma once
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "model/fit.h"
+#include "model/run.h"
+
+/// The facts of a page, ready for its template and for its machine-readable twin: every number stands as `text` in the
+/// form that the page shows, beside its `value` in SI. Keys with k_payload_prefix hold base64 and only go to the page.
+namespace grouser {
+
+/// A fit folder opened for a report.
+struct FitFolder {
+  std::filesystem::path path;
+  FitRecord fit;
+  Bushing bushing;
+};
+/// Reads DIR/fit.json and DIR/bushing.json. Throws InputError / FileError.
+[[nodiscard]] FitFolder open_fit(const std::filesystem::path& folder);
+
+/// `id` prefixes every element id of this part, so that several parts share a page; `level` is the level of its own
+/// heading.
+[[nodiscard]] nlohmann::json run_facts(const RunFolder& run, const std::string& id, int level);
+[[nodiscard]] nlohmann::json fit_facts(const FitFolder& folder, const std::string& id, int level);
+/// Several runs side by side: a table of every result and overlaid figures.
+[[nodiscard]] nlohmann::json comparison_facts(const std::vector<RunFolder>& runs, const std::string& id, int level);
+
+/// Inputs with hashes, options, version and the commands that repeat the result.
+[[nodiscard]] nlohmann::json provenance_facts(const Provenance& provenance, const std::vector<std::string>& commands);
+
+/// Moving picture of a run for the page's 3D player: {bodies, parts, frames, payload_*}; empty object when the run
+/// holds no poses.
+[[nodiscard]] nlohmann::json playback_facts(const RunFolder& run, const std::string& id);
+
+/// {value, text} of a value in SI.
+[[nodiscard]] nlohmann::json quantity_facts(double value, const std::string& unit, int digits = 4);
+/// {label, value, text} of one line of a table or one headline tile.
+[[nodiscard]] nlohmann::json labelled_quantity(const std::string& label, double value, const std::string& unit,
+                                               int digits = 4);
+
+}  // namespace grouser

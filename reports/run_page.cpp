@@ -1,0 +1,219 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "model/errors.h"
+#include "render/render.h"
+#include "reports/channels.h"
+#include "reports/encode.h"
+#include "reports/figure_block.h"
+#include "reports/number_text.h"
+#include "reports/pages.h"
+#include "reports/report.h"
+
+namespace grouser {
+namespace {
+
+using nlohmann::json;
+
+/// A section of the page and the figures that stand in it.
+struct Section {
+  const char* key;
+  const char* title;
+  const char* lead;
+  std::array<const char*, 4> figures;
+};
+constexpr std::array<Section, 6> k_sections{{
+    {"drive",
+     "Drive and motion",
+     "What the run asked of the vehicle and what the vehicle did.",
+     {"speed", "path", "yaw_rate", nullptr}},
+    {"track",
+     "Track tension",
+     "The bushings carry the pull of the track from link to link.",
+     {"tension", "sprocket_torque", "torque_spectrum", nullptr}},
+    {"contacts",
+     "Contact forces on one link",
+     "A link meets every part of the running gear once a lap.",
+     {"contact_forces", "contact_forces_zoom", nullptr, nullptr}},
+    {"integration",
+     "Integration",
+     "How the explicit integrator paced itself.",
+     {"step_size", "step_limits", nullptr, nullptr}},
+    {"suspension", "Suspension", "", {"suspension", nullptr, nullptr, nullptr}},
+    {"energy",
+     "Energy balance",
+     "Every joule that the sprockets put in is looked for again.",
+     {"energy", "energy_residual", nullptr, nullptr}},
+}};
+
+json check_facts(const RunSummary& summary) {
+  json checks = json::array();
+  for (const RunCheck& check : summary.checks) {
+    json facts = labelled_quantity(check.name, check.value, check.unit);
+    facts["limit"] = check.limit;
+    facts["pass"] = check.pass;
+    checks.push_back(facts);
+  }
+  return checks;
+}
+
+/// One sentence and a colour: what a reader wants first.
+json verdict_facts(const RunSummary& summary) {
+  const auto passed = std::ranges::count_if(summary.checks, &RunCheck::pass);
+  const auto total = static_cast<long>(summary.checks.size());
+  const bool completed = summary.status == RunStatus::completed;
+  std::string text =
+      fmt::format("Run {} after {}", name_of(summary.status), quantity_text(summary.simulated_time, "s"));
+  if (total > 0)
+    text += passed == total ? fmt::format("; all {} checks pass", total)
+                            : fmt::format("; {} of {} checks fail", total - passed, total);
+  return {{"pass", completed && passed == total}, {"text", text}};
+}
+
+json headline_facts(const RunFolder& run) {
+  const RunSummary& summary = run.summary;
+  json tiles = json::array();
+  tiles.push_back(labelled_quantity("simulated", summary.simulated_time, "s", 3));
+  const double factor = summary.simulated_time > 0.0 ? summary.wall_time / summary.simulated_time : std::nan("");
+  tiles.push_back(labelled_quantity("wall seconds a simulated second", factor, "1", 2));
+  const std::size_t with_counts = tiles.size();
+  // The first results that the run itself put first; a scenario knows best what matters about it.
+  for (const RunResult& result : summary.results) {
+    if (tiles.size() >= with_counts + 4) break;
+    tiles.push_back(
+        labelled_quantity(result.meaning.empty() ? result.name : result.meaning, result.value, result.unit, 3));
+  }
+  tiles.push_back(labelled_quantity("mean step", summary.steps.mean, "s", 3));
+  tiles.push_back(labelled_quantity("energy residual of ∫|P| dt", summary.energy.residual_fraction, "1", 2));
+  return tiles;
+}
+
+json count_row(const std::string& label, long value) {
+  return {{"label", label}, {"value", value}, {"text", count_text(value)}};
+}
+
+json table_facts(const RunSummary& summary) {
+  json tables = json::array();
+  const auto& counts = summary.counts;
+  tables.push_back(
+      {{"caption", "Model, counted from the compiled system"},
+       {"rows",
+        json::array({count_row("bodies", counts.bodies), count_row("revolute joints", counts.revolute_joints),
+                     count_row("bushings", counts.bushings), count_row("degrees of freedom", counts.degrees_of_freedom),
+                     count_row("prescribed", counts.prescribed)})}});
+  const auto& steps = summary.steps;
+  tables.push_back(
+      {{"caption", "Steps and time"},
+       {"rows", json::array({count_row("accepted steps", steps.accepted), count_row("rejected steps", steps.rejected),
+                             count_row("force evaluations", steps.force_evaluations),
+                             labelled_quantity("smallest step", steps.min, "s", 3),
+                             labelled_quantity("mean step", steps.mean, "s", 3),
+                             labelled_quantity("largest step", steps.max, "s", 3),
+                             labelled_quantity("wall time of the run", summary.wall_time, "s", 3),
+                             labelled_quantity("wall time of the assembly", summary.assembly_wall_time, "s", 3)})}});
+  const auto& energy = summary.energy;
+  tables.push_back(
+      {{"caption", "Energy"},
+       {"rows", json::array({labelled_quantity("sprocket work", energy.input, "J"),
+                             labelled_quantity("dissipated", energy.dissipated, "J"),
+                             labelled_quantity("residual", energy.residual, "J", 3),
+                             labelled_quantity("residual over ∫|P| dt", energy.residual_fraction, "1", 3)})}});
+  return tables;
+}
+
+json result_facts(const RunSummary& summary) {
+  json rows = json::array();
+  for (const RunResult& result : summary.results) {
+    json row = labelled_quantity(result.meaning.empty() ? result.name : result.meaning, result.value, result.unit);
+    row["name"] = result.name;
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+/// The sections with the figures that the run can show, and a sentence for each that it cannot.
+json section_facts(const RunFolder& run, const std::string& id) {
+  json sections = json::array();
+  for (const Section& section : k_sections) {
+    json figures = json::array(), left_out = json::array();
+    for (const char* name : section.figures) {
+      if (name == nullptr) continue;
+      try {
+        figures.push_back(figure_block(make_run_figure(run, name), id + "-" + name));
+      } catch (const InputError& error) {
+        const InputFinding& finding = error.findings().front();
+        left_out.push_back(fmt::format("The figure “{}” is left out: the run holds no {}.", name, finding.place));
+      }
+    }
+    sections.push_back({{"key", id + "-" + section.key},
+                        {"title", section.title},
+                        {"lead", section.lead},
+                        {"figures", figures},
+                        {"left_out", left_out}});
+  }
+  return sections;
+}
+
+json film_facts(const RunFolder& run) {
+  const std::filesystem::path film = run.path / "film.mp4";
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(film, error)) return false;
+  return {{"payload_mp4", base64(read_whole(film))}, {"caption", "The run as rendered headless, frame by frame."}};
+}
+
+/// The vehicle at steady speed, for paper, where nothing moves.
+json still_facts(const RunFolder& run) {
+  if (!run.channels.has("/chassis/position")) return false;
+  const std::optional<TimeWindow> steady = steady_window(run);
+  const double time = steady ? steady->end : 0.5 * run.summary.simulated_time;
+  RenderOptions options;
+  options.width = 1120;
+  options.height = 630;
+  const std::vector<std::uint8_t> png = encode_png(render_still(run, time, options));
+  return {{"payload_still", base64({reinterpret_cast<const char*>(png.data()), png.size()})},
+          {"alt", "The vehicle on the ground"},
+          {"caption", fmt::format("The vehicle at {}.", quantity_text(time, "s", 3))}};
+}
+
+/// Notes on generated data from the run and its bushing, each once.
+json synthetic_notes(const RunFolder& run) {
+  std::vector<std::string> notes = run.summary.provenance.synthetic;
+  if (notes.empty() && run.scenario.bushing.synthetic)
+    notes.push_back("The bushing was identified from generated, not measured, rig data.");
+  return notes;
+}
+
+}  // namespace
+
+json run_facts(const RunFolder& run, const std::string& id, int level) {
+  const RunSummary& summary = run.summary;
+  json facts{{"id", id}, {"kind", "run"}, {"level", level}, {"sublevel", level + 1}, {"figure_level", level + 2}};
+  facts["title"] = summary.name;
+  facts["subtitle"] = fmt::format("{} on bushing {}", summary.vehicle_name, summary.bushing_name);
+  facts["status"] = name_of(summary.status);
+  facts["message"] = summary.message;
+  facts["verdict"] = verdict_facts(summary);
+  facts["checks"] = check_facts(summary);
+  facts["has_checks"] = !summary.checks.empty();
+  facts["headline"] = headline_facts(run);
+  facts["synthetic"] = synthetic_notes(run);
+  facts["is_synthetic"] = !facts["synthetic"].empty();
+  facts["playback"] = playback_facts(run, id);
+  facts["film"] = film_facts(run);
+  facts["motion"] = facts["playback"].is_object() || facts["film"].is_object();
+  facts["still"] = still_facts(run);
+  facts["sections"] = section_facts(run, id);
+  facts["tables"] = table_facts(summary);
+  facts["results"] = result_facts(summary);
+  facts["has_results"] = !summary.results.empty();
+  const std::string folder = run.path.filename().string();
+  facts["provenance"] = provenance_facts(
+      summary.provenance,
+      {summary.provenance.command, fmt::format("grouser report {} -o {}/report.html", folder, folder)});
+  return facts;
+}
+
+}  // namespace grouser
