@@ -18,14 +18,14 @@ struct Series {
   std::vector<double> x, y;         ///< same length; NaN breaks the line
   SeriesStyle style = SeriesStyle::line;
   float width = 1.4f;               ///< CSS pixels
-  std::optional<Rgb> color;         ///< default: the palette by order
+  std::optional<Rgb> color{};       ///< default: the palette by order
 };
 
 /// Filled between low and high over x (interval bands).
 struct Band {
   std::string name;
   std::vector<double> x, low, high;
-  std::optional<Rgb> color;
+  std::optional<Rgb> color{};
 };
 
 /// A labelled vertical or horizontal line ("71.6 Hz link passing").
