@@ -13,7 +13,9 @@ class Findings {
   void add(std::string place, std::string expected, std::string found, std::string hint = {}) {
     list_.push_back({file_, std::move(place), std::move(expected), std::move(found), std::move(hint)});
   }
-  void add(const InputError& error) { list_.insert(list_.end(), error.findings().begin(), error.findings().end()); }
+  /// A finding about another file.
+  void add(InputFinding finding) { list_.push_back(std::move(finding)); }
+  void add(const Findings& other) { list_.insert(list_.end(), other.list_.begin(), other.list_.end()); }
   [[nodiscard]] const std::string& file() const { return file_; }
   [[nodiscard]] bool empty() const { return list_.empty(); }
   [[nodiscard]] std::size_t size() const { return list_.size(); }

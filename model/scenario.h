@@ -2,6 +2,7 @@
 #include <array>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,7 @@ namespace grouser {
 
 /// Level rigid ground at z = 0 in W.
 struct Terrain {
-  double friction = 0.7;   ///< coefficient, link against ground
+  double friction = 0.7;  ///< coefficient, link against ground
 };
 
 /// Sprocket speed over time, linear between the points, constant outside.
@@ -35,19 +36,25 @@ struct OutputOptions {
 
 /// Chung-Lee explicit, variable-step slope form (D 1).
 struct IntegratorOptions {
-  double beta = 28.0 / 27.0;          ///< 1 .. 28/27
-  double velocity_tolerance = 1e-2;   ///< m/s, local error of a link's point at half a pitch, maximum norm
+  double beta = 28.0 / 27.0;             ///< 1 .. 28/27
+  double velocity_tolerance = 1e-2;      ///< m/s, local error of a link's point at half a pitch, maximum norm
   double displacement_tolerance = 1e-5;  ///< m
-  double max_step = 2e-4;             ///< s
-  double min_step = 1e-6;             ///< s; a smaller one asked for ends the run
-  double stability_fraction = 1.2;    ///< of the (pessimistic) bound, P 3
+  double max_step = 2e-4;                ///< s
+  double min_step = 1e-6;                ///< s; a smaller one asked for ends the run
+  double stability_fraction = 1.2;       ///< of the (pessimistic) bound, P 3
   double growth_limit = 1.1;
-  double fixed_step = 0.0;            ///< s; > 0 switches error control and bound off
+  double fixed_step = 0.0;  ///< s; > 0 switches error control and bound off
 };
 
 struct AssemblyOptions {
-  double settle_time = 8.0;           ///< s simulated before t = 0
-  double step = 8e-5;                 ///< s
+  double settle_time = 8.0;  ///< s simulated before t = 0
+  double step = 8e-5;        ///< s
+};
+
+/// The documents behind a scenario, with --set applied.
+struct ScenarioDocuments {
+  std::string scenario, vehicle, bushing;
+  std::array<std::string, k_num_sides> side_bushing;  ///< empty unless the track names its own bushing
 };
 
 struct Scenario {
@@ -58,21 +65,34 @@ struct Scenario {
   Bushing bushing;
   Terrain terrain;
   std::array<DriveTable, k_num_sides> drive;
-  double duration = 0.0;              ///< s
-  double gravity = 9.81;              ///< m/s^2
+  double duration = 0.0;  ///< s
+  double gravity = 9.81;  ///< m/s^2
   OutputOptions output;
   IntegratorOptions integrator;
   AssemblyOptions assembly;
-  Provenance provenance;              ///< scenario, vehicle and bushing files
+  Provenance provenance;  ///< scenario, vehicle and bushing files
+  ScenarioDocuments documents;
+  std::array<std::optional<Bushing>, k_num_sides> side_bushing;  ///< of a track that names its own
+
+  /// The bushing in the joints of one track.
+  [[nodiscard]] const Bushing& bushing_of(Side side) const {
+    const auto& own = side_bushing[static_cast<std::size_t>(index_of(side))];
+    return own ? *own : bushing;
+  }
 };
 
 /// What the command line may replace.
 struct ScenarioOverrides {
-  std::string vehicle_file, bushing_file;          ///< empty = as the scenario says
-  std::map<std::string, std::string> set;          ///< "integrator.max_step_ms" -> "0.1"; "vehicle./left/track/pre_tension_kN" -> "60"
+  std::string vehicle_file, bushing_file;  ///< empty = as the scenario says
+  std::map<std::string, std::string>
+      set;  ///< "integrator.max_step_ms" -> "0.1"; "vehicle./left/track/pre_tension_kN" -> "60"
 };
 
 /// Reads `grouser.scenario/1` and the files it names; throws InputError with the findings of all of them.
 [[nodiscard]] Scenario read_scenario(const std::filesystem::path& file, const ScenarioOverrides& overrides = {});
+
+/// Writes the documents of a run into run_folder/inputs/ (scenario.json, vehicle.json, bushing.json), which then name
+/// one another: read_scenario(run_folder / "inputs/scenario.json") gives the same scenario again.
+void write_inputs(const Scenario& scenario, const std::filesystem::path& run_folder);
 
 }  // namespace grouser

@@ -1,0 +1,264 @@
+#include "model/fit.h"
+
+#include <limits>
+
+#include "model/file_json.h"
+
+namespace grouser {
+namespace {
+
+namespace d = dimension;
+
+/// fit.json is written in SI; the keys of an axis differ by its kind.
+struct FitKeys {
+  std::string displacement, force, stiffness, damping;
+};
+
+const FitKeys& keys_of(Axis axis) {
+  static const FitKeys translation{"m", "N", "N_per_m", "N_s_per_m"};
+  static const FitKeys rotation{"rad", "N_m", "N_m_per_rad", "N_m_s_per_rad"};
+  return is_rotation(axis) ? rotation : translation;
+}
+
+/// What could not be computed stands as null.
+double number_or_null(ObjectReader& r, const std::string& key) {
+  const Json* value = r.raw(key);
+  return value != nullptr && value->is_null() ? std::numeric_limits<double>::quiet_NaN() : r.number(key);
+}
+
+std::vector<double> numbers(const Json& array) {
+  std::vector<double> values;
+  for (const Json& item : array) {
+    values.push_back(item.is_number() ? item.get<double>() : std::numeric_limits<double>::quiet_NaN());
+  }
+  return values;
+}
+
+std::vector<double> numbers_or_nulls(ObjectReader& r, const std::string& key) {
+  const Json* value = r.raw(key);
+  if (value != nullptr && value->is_array()) return numbers(*value);
+  r.report(key, "an array of numbers", value == nullptr ? "no such key" : shown(*value));
+  return {};
+}
+
+void put_measures(Json& object, const LoopMeasures& measures, const FitKeys& keys) {
+  object["effective_stiffness_" + keys.stiffness] = measures.effective_stiffness;
+  object["dissipated_energy_J"] = measures.dissipated_energy;
+  object["equivalent_damping_" + keys.damping] = measures.equivalent_damping;
+  object["loss_factor"] = measures.loss_factor;
+}
+
+Json measures_json(const LoopMeasures& measures, const FitKeys& keys) {
+  Json object = Json::object();
+  put_measures(object, measures, keys);
+  return object;
+}
+
+LoopMeasures read_measures(ObjectReader& r, const FitKeys& keys) {
+  return {number_or_null(r, "effective_stiffness_" + keys.stiffness), number_or_null(r, "dissipated_energy_J"),
+          number_or_null(r, "equivalent_damping_" + keys.damping), number_or_null(r, "loss_factor")};
+}
+
+Json cycle_json(const CycleFit& cycle, const FitKeys& keys) {
+  Json json{{"index", cycle.index}, {"used", cycle.used}, {"note", cycle.note}};
+  json["amplitude_" + keys.displacement] = cycle.amplitude;
+  put_measures(json, cycle.measured, keys);
+  json["nrmse"] = cycle.nrmse;
+  json["fitted"] = measures_json(cycle.fitted, keys);
+  return json;
+}
+
+CycleFit read_cycle(ObjectReader& r, const FitKeys& keys) {
+  CycleFit cycle;
+  cycle.index = static_cast<int>(r.integer("index", 0));
+  cycle.used = r.boolean_or("used", false);
+  cycle.note = r.text_or("note", "");
+  cycle.amplitude = number_or_null(r, "amplitude_" + keys.displacement);
+  cycle.measured = read_measures(r, keys);
+  cycle.nrmse = number_or_null(r, "nrmse");
+  r.object("fitted", [&](ObjectReader& f) { cycle.fitted = read_measures(f, keys); });
+  return cycle;
+}
+
+Json test_json(const TestFit& test) {
+  const FitKeys& keys = keys_of(test.axis);
+  Json json{{"name", test.name},
+            {"axis", name_of(test.axis)},
+            {"kind", test.kind == TestKind::cyclic ? "cyclic" : "static"},
+            {"samples", test.samples},
+            {"cycles", test.cycles},
+            {"cycles_used", test.cycles_used},
+            {"frequency_Hz", test.frequency}};
+  json["amplitude_" + keys.displacement] = test.amplitude;
+  put_measures(json, test.measured, keys);
+  json["nrmse"] = test.nrmse;
+  json["r_squared"] = test.r_squared;
+  json["fitted"] = measures_json(test.fitted, keys);
+  json["per_cycle"] = Json::array();
+  for (const CycleFit& cycle : test.per_cycle) json["per_cycle"].push_back(cycle_json(cycle, keys));
+  json["curve"] = Json{{"displacement_" + keys.displacement, test.curve.displacement},
+                       {"force_" + keys.force, test.curve.force},
+                       {"fitted_" + keys.force, test.curve.fitted}};
+  return json;
+}
+
+Axis read_axis_name(ObjectReader& r) {
+  return r.choice<Axis>(
+      "axis", {{"x", Axis::x}, {"y", Axis::y}, {"z", Axis::z}, {"rx", Axis::rx}, {"ry", Axis::ry}, {"rz", Axis::rz}});
+}
+
+TestFit read_test(ObjectReader& r) {
+  TestFit test;
+  test.name = r.text("name");
+  test.axis = read_axis_name(r);
+  const FitKeys& keys = keys_of(test.axis);
+  test.kind = r.choice<TestKind>("kind", {{"static", TestKind::static_ramp}, {"cyclic", TestKind::cyclic}});
+  test.samples = r.integer("samples", 0);
+  test.cycles = static_cast<int>(r.integer("cycles", 0));
+  test.cycles_used = static_cast<int>(r.integer("cycles_used", 0));
+  test.frequency = number_or_null(r, "frequency_Hz");
+  test.amplitude = number_or_null(r, "amplitude_" + keys.displacement);
+  test.measured = read_measures(r, keys);
+  test.nrmse = number_or_null(r, "nrmse");
+  test.r_squared = number_or_null(r, "r_squared");
+  r.object("fitted", [&](ObjectReader& f) { test.fitted = read_measures(f, keys); });
+  r.each("per_cycle", 0, [&](ObjectReader& c) { test.per_cycle.push_back(read_cycle(c, keys)); });
+  r.optional_object("curve", [&](ObjectReader& c) {
+    test.curve.displacement = numbers_or_nulls(c, "displacement_" + keys.displacement);
+    test.curve.force = numbers_or_nulls(c, "force_" + keys.force);
+    test.curve.fitted = numbers_or_nulls(c, "fitted_" + keys.force);
+  });
+  return test;
+}
+
+Json band_json(const std::vector<BandPoint>& band, const FitKeys& keys, const std::string& quantity) {
+  Json x = Json::array(), value = Json::array(), low = Json::array(), high = Json::array();
+  for (const BandPoint& point : band) {
+    x.push_back(point.x);
+    value.push_back(point.value);
+    low.push_back(point.low);
+    high.push_back(point.high);
+  }
+  return Json{{"displacement_" + keys.displacement, x}, {quantity, value}, {"low_95", low}, {"high_95", high}};
+}
+
+std::vector<BandPoint> read_band(ObjectReader& r, const FitKeys& keys, const std::string& quantity) {
+  const auto x = numbers_or_nulls(r, "displacement_" + keys.displacement), value = numbers_or_nulls(r, quantity);
+  const auto low = numbers_or_nulls(r, "low_95"), high = numbers_or_nulls(r, "high_95");
+  std::vector<BandPoint> band;
+  if (value.size() != x.size() || low.size() != x.size() || high.size() != x.size()) {
+    r.report("", "four arrays of one length", "different lengths");
+    return band;
+  }
+  for (std::size_t i = 0; i < x.size(); ++i) band.push_back({x[i], value[i], low[i], high[i]});
+  return band;
+}
+
+Json axis_json(const AxisFit& axis) {
+  const FitKeys& keys = keys_of(axis.axis);
+  Json parameters = Json::array();
+  for (const FitParameter& p : axis.parameters) {
+    parameters.push_back(Json{{"name", p.name},
+                              {"unit", p.unit},
+                              {"value", p.value},
+                              {"standard_error", p.standard_error},
+                              {"interval_95", Json::array({p.low, p.high})},
+                              {"identified", p.identified}});
+  }
+  const SolverSummary& solver = axis.solver;
+  Json json{{"parameters", parameters},
+            {"covariance", axis.covariance},
+            {"condition_number", axis.condition_number},
+            {"not_identified", axis.not_identified},
+            {"solver", Json{{"termination", solver.termination},
+                            {"iterations", solver.iterations},
+                            {"initial_cost", solver.initial_cost},
+                            {"final_cost", solver.final_cost},
+                            {"kkt_residual", solver.kkt_residual}}},
+            {"backbone", band_json(axis.backbone, keys, "force_" + keys.force)},
+            {"tangent", band_json(axis.tangent, keys, "stiffness_" + keys.stiffness)}};
+  json["tangent_window_" + keys.displacement] = axis.tangent_window;
+  return json;
+}
+
+FitParameter read_parameter(ObjectReader& r) {
+  FitParameter p;
+  p.name = r.text("name");
+  p.unit = r.text("unit");
+  p.value = number_or_null(r, "value");
+  p.standard_error = number_or_null(r, "standard_error");
+  const std::vector<double> interval = numbers_or_nulls(r, "interval_95");
+  p.low = interval.empty() ? p.value : interval.front();
+  p.high = interval.empty() ? p.value : interval.back();
+  p.identified = r.boolean_or("identified", true);
+  return p;
+}
+
+AxisFit read_axis(ObjectReader& r, Axis axis) {
+  const FitKeys& keys = keys_of(axis);
+  AxisFit fit;
+  fit.axis = axis;
+  r.each("parameters", 0, [&](ObjectReader& p) { fit.parameters.push_back(read_parameter(p)); });
+  if (const Json* covariance = r.raw("covariance"); covariance != nullptr && covariance->is_array()) {
+    for (const Json& row : *covariance) fit.covariance.push_back(numbers(row));
+  }
+  fit.condition_number = number_or_null(r, "condition_number");
+  fit.not_identified = r.texts_or_none("not_identified");
+  r.object("solver", [&](ObjectReader& s) {
+    fit.solver = {s.text("termination"), static_cast<int>(s.integer("iterations", 0)),
+                  number_or_null(s, "initial_cost"), number_or_null(s, "final_cost"),
+                  number_or_null(s, "kkt_residual")};
+  });
+  r.object("backbone", [&](ObjectReader& b) { fit.backbone = read_band(b, keys, "force_" + keys.force); });
+  r.object("tangent", [&](ObjectReader& t) { fit.tangent = read_band(t, keys, "stiffness_" + keys.stiffness); });
+  fit.tangent_window = number_or_null(r, "tangent_window_" + keys.displacement);
+  return fit;
+}
+
+FitRecord read_record(ObjectReader& r) {
+  FitRecord fit;
+  fit.specimen = r.text("specimen");
+  fit.synthetic = r.boolean_or("synthetic", false);
+  fit.synthetic_note = r.text_or("synthetic_note", "");
+  fit.calibration_residual = number_or_null(r, "calibration_residual");
+  r.each("tests", 0, [&](ObjectReader& t) { fit.tests.push_back(read_test(t)); });
+  r.object("axes", [&](ObjectReader& axes) {
+    for (int i = 0; i < k_num_axes; ++i) {
+      const Axis axis = static_cast<Axis>(i);
+      axes.optional_object(name_of(axis), [&](ObjectReader& a) { fit.axes.push_back(read_axis(a, axis)); });
+    }
+  });
+  r.each("warnings", 0, [&](ObjectReader& w) {
+    fit.warnings.push_back({w.text("code"), w.text_or("test", ""), w.text("text")});
+  });
+  fit.provenance = read_provenance(r);
+  return fit;
+}
+
+}  // namespace
+
+FitRecord read_fit(const std::filesystem::path& file) {
+  FitRecord fit;
+  read_document(file, k_fit_format, [&](ObjectReader& reader) { fit = read_record(reader); });
+  return fit;
+}
+
+void write_fit(const FitRecord& fit, const std::filesystem::path& file) {
+  Json tests = Json::array(), axes = Json::object(), warnings = Json::array();
+  for (const TestFit& test : fit.tests) tests.push_back(test_json(test));
+  for (const AxisFit& axis : fit.axes) axes[name_of(axis.axis)] = axis_json(axis);
+  for (const FitWarning& w : fit.warnings) {
+    warnings.push_back(Json{{"code", w.code}, {"test", w.test}, {"text", w.text}});
+  }
+  write_whole(file, json_text(Json{{"format", k_fit_format},
+                                   {"specimen", fit.specimen},
+                                   {"synthetic", fit.synthetic},
+                                   {"synthetic_note", fit.synthetic_note},
+                                   {"calibration_residual", fit.calibration_residual},
+                                   {"tests", tests},
+                                   {"axes", axes},
+                                   {"warnings", warnings},
+                                   {"provenance", provenance_json(fit.provenance)}}));
+}
+
+}  // namespace grouser

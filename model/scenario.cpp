@@ -1,0 +1,246 @@
+#include "model/scenario.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/file_json.h"
+#include "model/overrides.h"
+
+namespace grouser {
+namespace {
+
+namespace d = dimension;
+namespace fs = std::filesystem;
+
+DriveTable read_drive(ObjectReader& r) {
+  DriveTable drive;
+  drive.time = r.quantities("time", d::time);
+  drive.speed = r.quantities("speed", d::angular_speed);
+  if (!r.has_quantity("time") || !r.has_quantity("speed")) return drive;
+  if (drive.time.empty()) r.report(r.key_of("time"), "at least 1 value", "0");
+  if (drive.time.size() != drive.speed.size()) {
+    r.report(r.key_of("speed"), std::to_string(drive.time.size()) + " values, one for each time",
+             std::to_string(drive.speed.size()));
+  }
+  const bool rises =
+      std::adjacent_find(drive.time.begin(), drive.time.end(), std::greater_equal<>()) == drive.time.end();
+  if (!rises) r.report(r.key_of("time"), "strictly increasing values", "a value not above the one before it");
+  return drive;
+}
+
+OutputOptions read_output(ObjectReader& r) {
+  OutputOptions output;
+  output.rate = r.quantity_or("rate", d::frequency, output.rate, Range::positive);
+  output.probe_rate = r.quantity_or("probe_rate", d::frequency, output.probe_rate, Range::positive);
+  r.each_optional("probes", [&](ObjectReader& p) {
+    const Side side = p.choice<Side>("side", {{"left", Side::left}, {"right", Side::right}});
+    output.probes.push_back({side, static_cast<int>(p.integer("link", 0))});
+  });
+  return output;
+}
+
+IntegratorOptions read_integrator(ObjectReader& r) {
+  IntegratorOptions o;
+  o.beta = r.number_or("beta", o.beta, Range::positive);
+  if (o.beta < 1.0 || o.beta > 28.0 / 27.0 + 1e-12) r.report("beta", "a number from 1 to 28/27", Json(o.beta).dump());
+  o.velocity_tolerance = r.quantity_or("velocity_tolerance", d::speed, o.velocity_tolerance, Range::positive);
+  o.displacement_tolerance =
+      r.quantity_or("displacement_tolerance", d::length, o.displacement_tolerance, Range::positive);
+  o.max_step = r.quantity_or("max_step", d::time, o.max_step, Range::positive);
+  o.min_step = r.quantity_or("min_step", d::time, o.min_step, Range::positive);
+  o.stability_fraction = r.number_or("stability_fraction", o.stability_fraction, Range::positive);
+  o.growth_limit = r.number_or("growth_limit", o.growth_limit, Range::positive);
+  o.fixed_step = r.quantity_or("fixed_step", d::time, o.fixed_step, Range::non_negative);
+  if (o.growth_limit <= 1.0) r.report("growth_limit", "a number > 1", Json(o.growth_limit).dump());
+  if (o.min_step > o.max_step) {
+    r.report(r.key_of("min_step"), "a step not above max_step", Json(o.min_step).dump() + " s");
+  }
+  return o;
+}
+
+/// The scenario's own document; the files that it names come later.
+void read_own(ObjectReader& r, Scenario& scenario) {
+  scenario.name = r.text("name");
+  scenario.vehicle_file = r.text("vehicle");
+  scenario.bushing_file = r.text("bushing");
+  r.optional_object("terrain", [&](ObjectReader& t) {
+    scenario.terrain.friction = t.number_or("friction", scenario.terrain.friction, Range::non_negative);
+  });
+  r.object("drive", [&](ObjectReader& drive) {
+    for (const Side side : {Side::left, Side::right}) {
+      drive.object(name_of(side),
+                   [&](ObjectReader& t) { scenario.drive[static_cast<std::size_t>(index_of(side))] = read_drive(t); });
+    }
+  });
+  scenario.duration = r.quantity("duration", d::time, Range::positive);
+  scenario.gravity = r.quantity_or("gravity", d::acceleration, scenario.gravity, Range::positive);
+  r.optional_object("output", [&](ObjectReader& o) { scenario.output = read_output(o); });
+  r.optional_object("integrator", [&](ObjectReader& o) { scenario.integrator = read_integrator(o); });
+  r.optional_object("assembly", [&](ObjectReader& a) {
+    scenario.assembly.settle_time =
+        a.quantity_or("settle_time", d::time, scenario.assembly.settle_time, Range::positive);
+    scenario.assembly.step = a.quantity_or("step", d::time, scenario.assembly.step, Range::positive);
+  });
+}
+
+/// Reads the scenario and what it names; collects the findings of all files.
+class ScenarioReader {
+ public:
+  ScenarioReader(const fs::path& file, const ScenarioOverrides& overrides)
+      : file_(file), overrides_(overrides), findings_(file.string()) {}
+
+  Scenario read() {
+    read_scenario_document();
+    read_vehicle_document();
+    scenario_.bushing = read_bushing_document("bushing", "bushing.", overrides_.bushing_file, scenario_.bushing_file,
+                                              file_, scenario_.documents.bushing);
+    read_side_bushings();
+    check_probes();
+    findings_.throw_if_any();
+    if (scenario_.bushing.synthetic) scenario_.provenance.synthetic = scenario_.bushing.provenance.synthetic;
+    scenario_.provenance.version = program_version();
+    scenario_.provenance.options = overrides_.set;
+    return std::move(scenario_);
+  }
+
+ private:
+  /// Those overrides whose path starts with `prefix`, without it; for the scenario itself those with no prefix at all.
+  [[nodiscard]] std::vector<std::pair<std::string, std::string>> overrides_for(const std::string& prefix) const {
+    std::vector<std::pair<std::string, std::string>> chosen;
+    for (const auto& [path, value] : overrides_.set) {
+      const bool others = path.rfind("vehicle.", 0) == 0 || path.rfind("bushing.", 0) == 0;
+      if (prefix.empty() ? !others : path.rfind(prefix, 0) == 0) chosen.emplace_back(path.substr(prefix.size()), value);
+    }
+    return chosen;
+  }
+
+  /// Parses bytes, applies overrides and reads; returns the document's text as it was understood.
+  std::string read_text(const std::string& bytes, const char* format, const std::string& prefix, Findings& findings,
+                        const ObjectReader::Visit& visit) {
+    Json document = parse_json(bytes, findings);
+    if (document.is_null() && !findings.empty()) return {};
+    expand_mirrored_side(document);
+    for (const auto& [path, value] : overrides_for(prefix)) apply_override(document, path, value, findings);
+    read_document(document, format, findings, visit);
+    return json_text(document);
+  }
+
+  void read_scenario_document() {
+    const std::string bytes = read_whole(file_);
+    scenario_.path = file_;
+    scenario_.provenance.inputs.push_back(provenance_input("scenario", file_.string(), bytes));
+    scenario_.documents.scenario =
+        read_text(bytes, k_scenario_format, "", findings_, [this](ObjectReader& r) { read_own(r, scenario_); });
+  }
+
+  /// Bytes of a file that `owner` names under /role, or that the user named in its place.
+  std::optional<std::string> referred(const std::string& role, const std::string& by_user, std::string& name,
+                                      const fs::path& owner, fs::path& path) {
+    if (!by_user.empty()) {
+      name = by_user;
+      path = by_user;
+      return read_whole(path);
+    }
+    if (name.empty()) return std::nullopt;  // the missing key is a finding already
+    path = (owner.parent_path() / name).lexically_normal();
+    try {
+      return read_whole(path);
+    } catch (const FileError& error) {
+      findings_.add(InputFinding{owner.string(), "/" + role, "a file that can be read", name, error.what()});
+      return std::nullopt;
+    }
+  }
+
+  void read_vehicle_document() {
+    const auto bytes = referred("vehicle", overrides_.vehicle_file, scenario_.vehicle_file, file_, vehicle_path_);
+    if (!bytes) return;
+    const auto input = provenance_input("vehicle", scenario_.vehicle_file, *bytes);
+    Findings findings(vehicle_path_.string());
+    scenario_.documents.vehicle = read_text(*bytes, k_vehicle_format, "vehicle.", findings,
+                                            [this](ObjectReader& r) { scenario_.vehicle = read_vehicle(r); });
+    findings_.add(findings);
+    scenario_.vehicle.provenance.inputs.push_back(input);
+    scenario_.provenance.inputs.push_back(input);
+  }
+
+  Bushing read_bushing_document(const std::string& role, const std::string& prefix, const std::string& by_user,
+                                std::string& name, const fs::path& owner, std::string& document) {
+    Bushing bushing;
+    fs::path path;
+    const auto bytes = referred(role, by_user, name, owner, path);
+    if (!bytes) return bushing;
+    scenario_.provenance.inputs.push_back(provenance_input(role, name, *bytes));
+    Findings findings(path.string());
+    document = read_text(*bytes, k_bushing_format, prefix, findings,
+                         [&](ObjectReader& r) { bushing = grouser::read_bushing(r); });
+    for (int i = 0; findings.empty() && i < k_num_axes; ++i) {
+      const Axis axis = static_cast<Axis>(i);
+      if (!bushing.axis(axis).spring.displacement.empty()) continue;
+      findings.add("/axes", std::string("a law for axis ") + name_of(axis), "no such key",
+                   "a link joint needs all six axes");
+      break;
+    }
+    findings_.add(findings);
+    return bushing;
+  }
+
+  void read_side_bushings() {
+    for (const Side side : {Side::left, Side::right}) {
+      const auto i = static_cast<std::size_t>(index_of(side));
+      std::string& name = scenario_.vehicle.sides[i].track.bushing;
+      if (name.empty()) continue;
+      const std::string role = std::string(name_of(side)) + "/track/bushing";
+      scenario_.side_bushing[i] =
+          read_bushing_document(role, "no override", "", name, vehicle_path_, scenario_.documents.side_bushing[i]);
+    }
+  }
+
+  void check_probes() {
+    for (std::size_t i = 0; i < scenario_.output.probes.size(); ++i) {
+      const ProbeLink& probe = scenario_.output.probes[i];
+      const int links = scenario_.vehicle.side(probe.side).track.num_links;
+      if (links == 0 || probe.link < links) continue;
+      findings_.add("/output/probes/" + std::to_string(i) + "/link", "a link from 0 to " + std::to_string(links - 1),
+                    std::to_string(probe.link));
+    }
+  }
+
+  fs::path file_, vehicle_path_;
+  const ScenarioOverrides& overrides_;
+  Findings findings_;
+  Scenario scenario_;
+};
+
+/// The document with one text member changed; `pointer` leads to it.
+std::string with_text(const std::string& document, const std::string& pointer, const std::string& text) {
+  Json json = Json::parse(document);
+  json[Json::json_pointer(pointer)] = text;
+  return json_text(json);
+}
+
+}  // namespace
+
+Scenario read_scenario(const std::filesystem::path& file, const ScenarioOverrides& overrides) {
+  return ScenarioReader(file, overrides).read();
+}
+
+void write_inputs(const Scenario& scenario, const std::filesystem::path& run_folder) {
+  const fs::path inputs = run_folder / "inputs";
+  std::error_code error;
+  fs::create_directories(inputs, error);
+  if (error) throw FileError("cannot create " + inputs.string() + ": " + error.message());
+  std::string vehicle = scenario.documents.vehicle;
+  for (const Side side : {Side::left, Side::right}) {
+    const std::string& own = scenario.documents.side_bushing[static_cast<std::size_t>(index_of(side))];
+    if (own.empty()) continue;
+    const std::string name = std::string("bushing_") + name_of(side) + ".json";
+    write_whole(inputs / name, own);
+    vehicle = with_text(vehicle, std::string("/") + name_of(side) + "/track/bushing", name);
+  }
+  write_whole(inputs / "bushing.json", scenario.documents.bushing);
+  write_whole(inputs / "vehicle.json", vehicle);
+  write_whole(inputs / "scenario.json", with_text(with_text(scenario.documents.scenario, "/vehicle", "vehicle.json"),
+                                                  "/bushing", "bushing.json"));
+}
+
+}  // namespace grouser
