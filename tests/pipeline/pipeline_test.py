@@ -1,0 +1,165 @@
+"""identify -> simulate -> render -> plot -> report -> export, each stage through the files of the one before."""
+
+import csv
+import json
+import math
+import os
+import struct
+import tempfile
+import unittest
+
+import h5py
+
+from command import DATA, SHORT_RUN, result, run
+
+LINKS = 76  # a track of the reference vehicle
+
+
+class Pipeline(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory()
+        cls.folder = cls.temporary.name
+        cls.fit = os.path.join(cls.folder, "identification")
+        cls.run_dir = os.path.join(cls.folder, "run")
+        cls.identified = result("identify", os.path.join(DATA, "rig/reference/rig.json"), "-o", cls.fit)
+        cls.simulated = result("simulate", os.path.join(DATA, "scenarios/run_a.json"), "-o", cls.run_dir, "--bushing",
+                               os.path.join(cls.fit, "bushing.json"), *SHORT_RUN)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.temporary.cleanup()
+
+    def path(self, *parts):
+        return os.path.join(self.folder, *parts)
+
+    def read_json(self, *parts):
+        with open(self.path(*parts), encoding="utf-8") as file:
+            return json.load(file)
+
+    def test_identify_writes_a_bushing_that_says_it_is_synthetic(self):
+        bushing = self.read_json("identification", "bushing.json")
+        self.assertEqual(bushing["format"], "grouser.bushing/1")
+        self.assertEqual(set(bushing["axes"]), {"x", "y", "z", "rx", "ry", "rz"})
+        self.assertIn("synthetic", json.dumps(bushing))
+        for test in self.identified["tests"]:
+            self.assertLess(test["nrmse"], 0.05, test["name"])
+
+    def test_outputs_pass_check(self):
+        run("check", self.path("identification", "bushing.json"), self.path("identification", "fit.json"),
+            self.path("run", "run.json"), self.run_dir)
+
+    def test_run_counts_the_reference_vehicle(self):
+        counts = self.read_json("run", "run.json")["counts"]
+        self.assertEqual([counts[name] for name in ("bodies", "revolute_joints", "bushings", "degrees_of_freedom")],
+                         [189, 36, 152, 954])
+
+    def test_run_was_driven_with_the_identified_bushing(self):
+        provenance = self.read_json("run", "run.json")["provenance"]
+        import hashlib
+        with open(self.path("identification", "bushing.json"), "rb") as file:
+            digest = hashlib.sha256(file.read()).hexdigest()
+        self.assertIn(digest, json.dumps(provenance))
+
+    def test_channels_have_the_shapes_and_units_of_the_contract(self):
+        samples = 41  # 0.2 s at 200 Hz, both ends
+        vectors = {"position": (3, "m"), "orientation": (4, None), "velocity": (3, "m/s"),
+                   "angular_velocity": (3, "rad/s"), "acceleration": (3, "m/s^2")}
+        with h5py.File(self.path("run", "run.h5"), "r") as file:
+            self.assertEqual(file["time"].shape, (samples,))
+            self.assertEqual(file["time"].attrs["unit"], "s")
+            for name, (size, unit) in vectors.items():
+                dataset = file["chassis"][name]
+                self.assertEqual(dataset.shape, (samples, size), name)
+                if unit:
+                    self.assertEqual(dataset.attrs["unit"], unit, name)
+            for name in ("angle", "rate", "torque"):
+                self.assertEqual(file["joints"][name].shape, (samples, 36), name)
+            self.assertEqual(len(file["joints/names"]), 36)
+            for side in ("left", "right"):
+                track = file["tracks"][side]
+                for name, size in (("link_position", 3), ("link_orientation", 4), ("link_velocity", 3),
+                                   ("link_angular_velocity", 3), ("bushing_force", 3), ("bushing_torque", 3),
+                                   ("bushing_deflection", 6)):
+                    self.assertEqual(track[name].shape, (samples, LINKS, size), name)
+                for partner in ("road_wheel", "support_roller", "idler", "sprocket", "guide", "ground"):
+                    self.assertEqual(track["contact_force"][partner].shape, (samples, LINKS, 3), partner)
+                    self.assertEqual(track["contact_force"][partner].attrs["unit"], "N")
+            steps = file["steps"]
+            rows = {steps[name].shape[0] for name in ("time", "size", "error", "limit")}
+            self.assertEqual(rows, {self.read_json("run", "run.json")["steps"]["accepted"]})
+
+    def test_every_dataset_has_a_unit(self):
+        without = []
+        with h5py.File(self.path("run", "run.h5"), "r") as file:
+            file.visititems(lambda name, item: without.append(name)
+                            if isinstance(item, h5py.Dataset) and "unit" not in item.attrs else None)
+        self.assertEqual(without, [])
+
+    def test_the_ground_carries_the_vehicle(self):
+        """Sum of vertical ground forces over weight: 1 up to what is left of a short settling."""
+        with h5py.File(self.path("run", "run.h5"), "r") as file:
+            vertical = sum(file["tracks"][side]["contact_force/ground"][0, :, 2].sum() for side in ("left", "right"))
+        self.assertGreater(vertical, 0.9 * 511e3 * 0.9)
+        self.assertTrue(math.isfinite(vertical))
+
+    def test_same_input_gives_the_same_channels(self):
+        again = self.path("again")
+        run("simulate", os.path.join(DATA, "scenarios/run_a.json"), "-o", again, "--bushing",
+            self.path("identification", "bushing.json"), *SHORT_RUN)
+        with h5py.File(self.path("run", "run.h5"), "r") as one, h5py.File(os.path.join(again, "run.h5"), "r") as two:
+            for name in ("chassis/position", "joints/torque", "tracks/left/bushing_force", "steps/size"):
+                self.assertEqual(one[name][()].tobytes(), two[name][()].tobytes(), name)
+
+    def test_render_writes_pictures_of_the_asked_size(self):
+        made = result("render", self.run_dir, "-o", self.path("pictures"), "--still", "0.1", "--size", "320x180")
+        with open(made["outputs"][0], "rb") as file:
+            head = file.read(24)
+        self.assertEqual(head[:8], b"\x89PNG\r\n\x1a\n")
+        self.assertEqual(struct.unpack(">II", head[16:24]), (320, 180))
+
+    def test_render_writes_frames_and_a_film_of_the_whole_run(self):
+        frames = result("render", self.run_dir, "-o", self.path("frames"), "--frames", "--size", "320x180", "--fps", "10")
+        self.assertIn(frames["frames"], (2, 3))  # 0.2 s at 10 a second, with or without the end
+        self.assertEqual(len(os.listdir(self.path("frames"))), frames["frames"])
+        film = result("render", self.run_dir, "--film", self.path("film.mp4"), "--size", "320x180", "--fps", "10")
+        self.assertEqual(film["outputs"], [self.path("film.mp4")])
+        with open(self.path("film.mp4"), "rb") as file:
+            self.assertIn(b"avc1", file.read())
+
+    def test_every_listed_figure_can_be_drawn(self):
+        names = [entry["name"] for entry in result("plot", "--list")["figures"]]
+        self.assertGreaterEqual(len(names), 4)
+        for name in ("step_size", "tension", "contact_forces"):
+            self.assertIn(name, names)
+        for name in names:
+            made = result("plot", self.run_dir, "--figure", name, "-o", self.path("plots", name + ".png"))
+            self.assertGreater(os.path.getsize(made["outputs"][0]), 2000, name)
+
+    def test_report_has_its_numbers_in_json_too(self):
+        made = result("report", self.fit, self.run_dir, "-o", self.path("report.html"))
+        self.assertEqual(made["outputs"], [self.path("report.html"), self.path("report.json")])
+        with open(self.path("report.html"), encoding="utf-8") as file:
+            page = file.read()
+        self.assertIn("ynthetic", page)
+        self.assertNotRegex(page, r"(src|href)=[\"']https?:")
+        self.read_json("report.json")
+
+    def test_export_writes_every_dataset_in_columns_with_units(self):
+        run("export", self.run_dir, "--format", "csv", "-o", self.path("csv"))
+        with h5py.File(self.path("run", "run.h5"), "r") as file:
+            names = []
+            file.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
+            velocity = file["tracks/left/link_velocity"][()]
+            last_time = file["time"][-1]
+        self.assertEqual(sorted(os.listdir(self.path("csv"))), sorted(n.replace("/", "_") + ".csv" for n in names))
+        with open(self.path("csv", "tracks_left_link_velocity.csv"), encoding="utf-8") as file:
+            rows = list(csv.reader(file))
+        self.assertEqual(rows[0][:2], ["time_s", "link_velocity_0_x_m_per_s"])
+        self.assertEqual(rows[0][-1], "link_velocity_75_z_m_per_s")
+        self.assertEqual(float(rows[-1][0]), last_time)
+        self.assertEqual(velocity.dtype.type(rows[-1][-1]), velocity[-1, -1, -1])
+
+
+if __name__ == "__main__":
+    unittest.main()
