@@ -1,0 +1,88 @@
+#include "model/check.h"
+
+#include "model/file_json.h"
+#include "model/fit.h"
+#include "model/rig.h"
+#include "model/run.h"
+
+namespace grouser {
+namespace {
+
+std::string count(std::size_t number, const std::string& noun) {
+  return std::to_string(number) + " " + noun + (number == 1 ? "" : "s");
+}
+
+std::string check_rig(const std::filesystem::path& file) {
+  const RigRecord rig = read_rig(file);
+  std::size_t samples = 0;
+  for (const RigTest& test : rig.tests) samples += test.force.size();
+  return "rig data of " + rig.specimen + ", " + count(rig.tests.size(), "test") + ", " + count(samples, "sample");
+}
+
+std::string check_bushing(const std::filesystem::path& file) {
+  const Bushing bushing = read_bushing(file);
+  std::string axes;
+  for (int i = 0; i < k_num_axes; ++i) {
+    if (!bushing.axes[static_cast<std::size_t>(i)].spring.displacement.empty()) {
+      axes.append(" ").append(name_of(static_cast<Axis>(i)));
+    }
+  }
+  return "bushing " + bushing.name + ", axes" + axes;
+}
+
+std::string check_fit(const std::filesystem::path& file) {
+  const FitRecord fit = read_fit(file);
+  return "fit of " + fit.specimen + ", " + count(fit.tests.size(), "test");
+}
+
+std::string check_vehicle(const std::filesystem::path& file) {
+  const Vehicle vehicle = read_vehicle(file);
+  const RunningGear& left = vehicle.side(Side::left);
+  return "vehicle " + vehicle.name + ", " + count(left.stations.size(), "station") + " and " +
+         count(static_cast<std::size_t>(left.track.num_links), "link") + " on the left";
+}
+
+std::string check_scenario(const std::filesystem::path& file) {
+  const Scenario scenario = read_scenario(file);
+  return "scenario " + scenario.name + ", " + Json(scenario.duration).dump() + " s";
+}
+
+std::string check_run(const std::filesystem::path& file) {
+  const RunSummary run = read_run_summary(file);
+  return "run " + run.name + ", " + name_of(run.status);
+}
+
+struct Kind {
+  const char* format;
+  std::string (*check)(const std::filesystem::path&);
+};
+constexpr Kind k_kinds[] = {{k_rig_format, check_rig},           {k_bushing_format, check_bushing},
+                            {k_fit_format, check_fit},           {k_vehicle_format, check_vehicle},
+                            {k_scenario_format, check_scenario}, {k_run_format, check_run}};
+
+/// The file's `format`; throws InputError when it has no readable one.
+std::string format_of(const std::filesystem::path& file) {
+  Findings findings(file.string());
+  const Json document = parse_json(read_whole(file), findings);
+  if (document.is_null()) findings.throw_if_any();
+  const bool has = document.is_object() && document.contains("format") && document["format"].is_string();
+  if (has) return document["format"].get<std::string>();
+  throw InputError(InputFinding{file.string(), "", "an object with a \"format\"", shown(document), ""});
+}
+
+}  // namespace
+
+std::string check_file(const std::filesystem::path& file) {
+  const std::string format = format_of(file);
+  std::vector<std::string> formats;
+  for (const Kind& kind : k_kinds) {
+    if (format == kind.format) return "ok: " + kind.check(file);
+    formats.emplace_back(kind.format);
+  }
+  std::string expected;
+  for (const std::string& known : formats) expected += (expected.empty() ? "\"" : " | \"") + known + "\"";
+  throw InputError(InputFinding{file.string(), "/format", expected, "\"" + format + "\"",
+                                did_you_mean(nearest_word(format, formats))});
+}
+
+}  // namespace grouser
