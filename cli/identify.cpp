@@ -58,8 +58,8 @@ Result run(const Options& options, Console& console) {
 IdentifyResult identify_into(const fs::path& rig_file, const fs::path& folder, int threads, const Progress& progress) {
   RigRecord rig = read_rig(rig_file);
   rig.provenance.command = "grouser identify " + rig_file.string();
+  fs::create_directories(folder);  // before the long work: a folder that cannot be made should not cost a fit
   IdentifyResult result = identify(rig, {.threads = threads}, progress);
-  fs::create_directories(folder);
   write_bushing(result.bushing, folder / "bushing.json");
   write_fit(result.fit, folder / "fit.json");
   write_report({folder}, folder / "report.html");

@@ -26,7 +26,8 @@ std::map<std::string, std::string> replacements(const std::vector<std::string>& 
 
 Result run(const Options& options, Console& console) {
   const Scenario scenario = read_request(options.request);
-  const fs::path folder = options.folder.empty() ? fs::path(scenario.name) : fs::path(options.folder);
+  const fs::path folder =
+      options.folder.empty() ? fs::path(options.request.scenario_file).stem() : fs::path(options.folder);
   const RunSummary summary = simulate(scenario, folder, console.progress("simulate"));
 
   Result result;
@@ -86,7 +87,7 @@ Command add_simulate(CLI::App& root) {
   app->add_option("SCENARIO.json", options->request.scenario_file,
                   "Vehicle, bushing, terrain, drive, output: grouser.scenario/1")
       ->required();
-  app->add_option("-o,--output", options->folder, "Run folder [the scenario's name]")->type_name("DIR");
+  app->add_option("-o,--output", options->folder, "Run folder [./NAME of NAME.json]")->type_name("DIR");
   app->add_option("--vehicle", options->request.vehicle_file, "Drive this vehicle instead of the scenario's")
       ->type_name("FILE");
   app->add_option("--bushing", options->request.bushing_file, "Use this bushing instead of the scenario's")

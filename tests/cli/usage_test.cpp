@@ -83,7 +83,7 @@ TEST(Usage, ErrorIsOneJsonObjectWhenAskedFor) {
 TEST(Help, StandsOnStdoutAndNamesTheDefaultFolder) {
   for (const auto& [subcommand, told] :
        std::vector<std::pair<std::string, std::string>>{{"identify", "identification"},
-                                                        {"simulate", "the scenario's name"},
+                                                        {"simulate", "NAME of NAME.json"},
                                                         {"render", "RUN_DIR"},
                                                         {"plot", "RUN_DIR/NAME.png"},
                                                         {"report", "report.html in the first DIR"},
