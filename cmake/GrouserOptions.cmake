@@ -20,6 +20,11 @@ if(GROUSER_NATIVE)
   # PUBLIC to every target alike: Eigen's alignment depends on it, so objects built differently must not meet.
   target_compile_options(grouser_options INTERFACE -march=native)
 endif()
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  # GCC 12 calls the undefined halves of its own AVX-512 intrinsics uninitialized (GCC bug 105593) and sees overlaps in its own
+  # std::string (bug 105651).
+  target_compile_options(grouser_options INTERFACE -Wno-uninitialized -Wno-maybe-uninitialized -Wno-restrict)
+endif()
 if(GROUSER_SANITIZE)
   target_compile_options(grouser_options INTERFACE -fsanitize=${GROUSER_SANITIZE} -fno-omit-frame-pointer
     -Wno-maybe-uninitialized -Wno-null-dereference)

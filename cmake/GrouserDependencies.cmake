@@ -1,0 +1,12 @@
+# Every library from outside, found once, so that a target of any folder may be linked from any other (docs/dependencies.md).
+find_package(Eigen3 3.4 REQUIRED)
+find_package(fmt 9 REQUIRED)
+find_package(nlohmann_json 3.11 REQUIRED)
+find_package(OpenSSL REQUIRED COMPONENTS Crypto)
+find_package(HDF5 REQUIRED COMPONENTS C)
+find_package(ZLIB REQUIRED)
+find_package(Freetype REQUIRED)
+find_package(Threads REQUIRED)
+find_package(CLI11 2.1 REQUIRED)
+find_package(Ceres 2.1 REQUIRED)
+find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs videoio)

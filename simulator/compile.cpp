@@ -1,0 +1,274 @@
+#include <algorithm>
+#include <cmath>
+
+#include "model/errors.h"
+#include "simulator/lanes.h"
+#include "simulator/system.h"
+
+namespace grouser {
+namespace {
+
+CompiledContact compile_contact(const ContactLaw& law) {
+  return {law.stiffness, rate_coefficient(law.restitution, law.restitution_speed), law.friction, law.friction_speed,
+          law.friction_damping_limit};
+}
+
+TreeBody make_body(const std::string& name, int parent, const Vector3d& origin, const MassProperties& properties) {
+  TreeBody body;
+  body.name = name;
+  body.parent = parent;
+  body.origin = origin;
+  body.mass = properties.mass;
+  body.center_of_mass = properties.center_of_mass;
+  body.inertia = properties.inertia.asDiagonal();
+  return body;
+}
+
+CompiledDiscs compile_discs(const DiscPair& pair, int body, Partner partner) {
+  CompiledDiscs discs;
+  discs.body = body;
+  discs.partner = partner;
+  discs.radius = pair.radius;
+  discs.disc_offset = 0.5 * (pair.gap + pair.disc_width);
+  discs.half_gap = 0.5 * pair.gap;
+  discs.contact = compile_contact(pair.contact);
+  return discs;
+}
+
+CompiledSuspension compile_station(const Station& station, int body, Side side) {
+  CompiledSuspension spring;
+  const Vector3d arm = station.wheel.center - station.pivot;
+  spring.body = body;
+  spring.side = side;
+  spring.kind = station.kind == SuspensionKind::torsion_bar ? JointSpring::torsion_bar : JointSpring::hydropneumatic;
+  spring.bump_sign = arm.x() <= 0.0 ? 1.0 : -1.0;
+  spring.design_angle = std::atan2(-arm.z(), std::abs(arm.x()));
+  spring.bar = station.torsion_bar;
+  spring.unit = station.hydropneumatic;
+  spring.bump_angle = station.bump_angle;
+  spring.rebound_angle = station.rebound_angle;
+  spring.stop_stiffness = station.stop_stiffness;
+  return spring;
+}
+
+/// Corner where the straight flank reaches the tip circle, by bisection along the flank.
+void find_flank_corner(CompiledSprocket& sprocket) {
+  double low = 0.0, high = sprocket.tip_radius;
+  for (int i = 0; i < 80; ++i) {
+    const double x = 0.5 * (low + high);
+    const double y = (sprocket.seat_radius + x * sprocket.flank_sin) / sprocket.flank_cos;
+    (std::hypot(sprocket.seat_center + x, y) < sprocket.tip_radius ? low : high) = x;
+  }
+  sprocket.corner_x = sprocket.seat_center + low;
+  sprocket.corner_y = (sprocket.seat_radius + low * sprocket.flank_sin) / sprocket.flank_cos;
+}
+
+CompiledSprocket compile_sprocket(const Sprocket& from, const Track& track, int body) {
+  CompiledSprocket sprocket;
+  sprocket.body = body;
+  sprocket.teeth = from.teeth;
+  sprocket.pitch_radius = track.pitch / (2.0 * std::sin(k_pi / from.teeth));
+  sprocket.tip_radius = from.tip_radius;
+  sprocket.base_radius = from.base_radius;
+  sprocket.pin_radius = track.pin_radius;
+  sprocket.seat_radius = track.pin_radius + from.seat_clearance;
+  sprocket.seat_center = sprocket.pitch_radius + from.seat_clearance;
+  sprocket.flank_sin = std::sin(from.flank_angle);
+  sprocket.flank_cos = std::cos(from.flank_angle);
+  sprocket.ring_offset = from.ring_offset;
+  sprocket.side_clearance = from.side_clearance;
+  sprocket.side_stiffness = from.side_stiffness;
+  sprocket.contact = compile_contact(from.contact);
+  sprocket.contact.stiffness *= 0.5;
+  find_flank_corner(sprocket);
+  return sprocket;
+}
+
+CompiledAxis compile_axis(const AxisLaw& law, int& stop_row, int& branch_row) {
+  CompiledAxis axis;
+  axis.spring = compile_spring(law.spring);
+  axis.stops = law.stops;
+  axis.branches = law.branches;
+  axis.viscous = law.viscous;
+  axis.first_stop = stop_row;
+  axis.first_branch = branch_row;
+  stop_row += static_cast<int>(law.stops.size());
+  branch_row += static_cast<int>(law.branches.size());
+  return axis;
+}
+
+CompiledTrack compile_track(const RunningGear& gear, Side side, const Bushing& bushing, int offset) {
+  const Track& from = gear.track;
+  CompiledTrack track;
+  track.side = side;
+  track.num_links = from.num_links;
+  track.offset = offset;
+  track.pitch = from.pitch;
+  track.mass = from.link.mass;
+  track.inertia = from.link.inertia;
+  track.bushings_in_series = from.connection == Connection::double_pin ? 2 : 1;
+  track.free_twist = -from.pre_torsion;  // wrapping inward turns link i+1 by a negative angle about +y
+  int stop_row = 0, branch_row = 0;
+  for (int a = 0; a < k_num_axes; ++a) {
+    track.bushing[static_cast<std::size_t>(a)] =
+        compile_axis(bushing.axes[static_cast<std::size_t>(a)], stop_row, branch_row);
+  }
+  track.wheel_path_height = from.wheel_path_height;
+  track.ground_depth = from.ground_depth;
+  track.half_width = 0.5 * from.shoe_width;
+  track.guide_height = from.guide_height;
+  track.guide_half_base = 0.5 * from.guide_base_width;
+  track.guide_half_top = 0.5 * from.guide_top_width;
+  track.guide = {from.guide_stiffness, rate_coefficient(from.guide_restitution, 1.0), 0.0, 0.1, 0.0};
+  track.ground_points = from.ground_points;
+  track.ground = compile_contact(from.ground_contact);
+  track.bristle_stiffness = from.ground_bristle_stiffness;
+  track.bristle_damping = from.ground_bristle_damping;
+  track.pre_tension = from.pre_tension;
+  return track;
+}
+
+/// Padded length of a track's arrays: whole blocks, and one block more so that a load at i + 1 stays inside.
+int padded_length(int num_links) { return (num_links + k_lanes - 1) / k_lanes * k_lanes + k_lanes; }
+
+void add_running_gear(System& system, const RunningGear& gear, Side side) {
+  auto& bodies = system.tree.bodies;
+  CompiledTrack& track = system.tracks[static_cast<std::size_t>(index_of(side))];
+  const std::string prefix = std::string(name_of(side)) + "/";
+  const int first = static_cast<int>(bodies.size());
+  const int num_stations = static_cast<int>(gear.stations.size());
+  const Vector3d& center = system.chassis_center_V;
+  for (int i = 0; i < num_stations; ++i) {
+    const Station& station = gear.stations[static_cast<std::size_t>(i)];
+    bodies.push_back(make_body(prefix + "arm_" + std::to_string(i + 1), -1, station.pivot - center, station.arm));
+    system.suspension.push_back(compile_station(station, first + i, side));
+  }
+  for (int i = 0; i < num_stations; ++i) {
+    const Station& station = gear.stations[static_cast<std::size_t>(i)];
+    track.discs.push_back(compile_discs(station.wheel, static_cast<int>(bodies.size()), Partner::road_wheel));
+    bodies.push_back(make_body(prefix + "wheel_" + std::to_string(i + 1), first + i,
+                               station.wheel.center - station.pivot, station.wheel.body));
+  }
+  for (std::size_t i = 0; i < gear.support_rollers.size(); ++i) {
+    const DiscPair& roller = gear.support_rollers[i];
+    track.discs.push_back(compile_discs(roller, static_cast<int>(bodies.size()), Partner::support_roller));
+    bodies.push_back(make_body(prefix + "roller_" + std::to_string(i + 1), -1, roller.center - center, roller.body));
+  }
+  const auto s = static_cast<std::size_t>(index_of(side));
+  system.idler_arm_body[s] = static_cast<int>(bodies.size());
+  const Vector3d arm = gear.idler.wheel.center - gear.idler.pivot;
+  bodies.push_back(make_body(prefix + "idler_arm", -1, gear.idler.pivot - center, gear.idler.arm));
+  CompiledSuspension tensioner;
+  tensioner.body = system.idler_arm_body[s];
+  tensioner.side = side;
+  tensioner.kind = JointSpring::tensioner;
+  tensioner.tensioner_stiffness = gear.idler.tensioner_stiffness * arm.squaredNorm();
+  tensioner.tensioner_damping = gear.idler.tensioner_damping * arm.squaredNorm();
+  system.suspension.push_back(tensioner);
+  track.discs.push_back(compile_discs(gear.idler.wheel, static_cast<int>(bodies.size()), Partner::idler));
+  bodies.push_back(make_body(prefix + "idler", system.idler_arm_body[s], arm, gear.idler.wheel.body));
+  system.sprocket_body[s] = static_cast<int>(bodies.size());
+  bodies.push_back(make_body(prefix + "sprocket", -1, gear.sprocket.center - center, gear.sprocket.body));
+  bodies.back().prescribed = true;
+  track.sprocket = compile_sprocket(gear.sprocket, gear.track, system.sprocket_body[s]);
+}
+
+}  // namespace
+
+double rate_coefficient(double restitution, double speed) {
+  if (restitution >= 1.0) return 0.0;
+  const auto excess = [&](double av) {  // > 0: too little loss
+    return std::log((1.0 + av) / (1.0 - restitution * av)) - (1.0 + restitution) * av;
+  };
+  // f has a root at 0; the wanted one lies between it and the pole at 1 / e.
+  double low = 0.0, high = 1.0 / restitution * (1.0 - 1e-15);
+  for (int i = 0; i < 200; ++i) {
+    const double mid = 0.5 * (low + high);
+    (excess(mid) < 0.0 ? low : high) = mid;
+  }
+  return 0.5 * (low + high) / speed;
+}
+
+CompiledSpring compile_spring(const SpringSpline& from) {
+  CompiledSpring spring;
+  const std::size_t n = from.displacement.size();
+  spring.knot = from.displacement;
+  spring.low = from.displacement.front();
+  spring.high = from.displacement.back();
+  spring.low_slope = from.slope.front();
+  spring.high_slope = from.slope.back();
+  spring.high_force = from.force.back();
+  spring.high_energy = stored_energy(from, spring.high);
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    const double width = from.displacement[i + 1] - from.displacement[i];
+    const double secant = (from.force[i + 1] - from.force[i]) / width;
+    const double s0 = from.slope[i], s1 = from.slope[i + 1];
+    spring.cubic.push_back(
+        {from.force[i], s0, (3.0 * secant - 2.0 * s0 - s1) / width, (s0 + s1 - 2.0 * secant) / (width * width)});
+    spring.energy.push_back(stored_energy(from, from.displacement[i]));
+  }
+  const int cells = 4 * static_cast<int>(n);
+  spring.cells_per_unit = cells / (spring.high - spring.low);
+  int interval = 0;
+  for (int c = 0; c < cells; ++c) {
+    const double x = spring.low + c / spring.cells_per_unit;
+    while (interval + 2 < static_cast<int>(n) && x >= spring.knot[static_cast<std::size_t>(interval) + 1]) ++interval;
+    spring.cell_interval.push_back(interval);
+  }
+  return spring;
+}
+
+System compile(const Scenario& scenario) {
+  System system;
+  system.scenario = scenario;
+  const Vehicle& vehicle = scenario.vehicle;
+  system.chassis_center_V = vehicle.chassis.center_of_mass;
+  system.tree.base_mass = vehicle.chassis.mass;
+  system.tree.base_inertia = vehicle.chassis.inertia.asDiagonal();
+  system.gravity_W = Vector3d(0.0, 0.0, -scenario.gravity);
+  system.ground_friction = scenario.terrain.friction;
+  double mass = vehicle.chassis.mass;
+  for (const Side side : {Side::left, Side::right}) {
+    const RunningGear& gear = vehicle.side(side);
+    CompiledTrack& track = system.tracks[static_cast<std::size_t>(index_of(side))];
+    track = compile_track(gear, side, scenario.bushing_of(side), system.link_array_length);
+    system.link_array_length += padded_length(track.num_links);
+    add_running_gear(system, gear, side);
+    mass += track.num_links * track.mass;
+    const CompiledAxis& last = track.bushing.back();
+    system.num_stop_rows = std::max(system.num_stop_rows, last.first_stop + static_cast<int>(last.stops.size()));
+    system.num_branch_rows =
+        std::max(system.num_branch_rows, last.first_branch + static_cast<int>(last.branches.size()));
+    system.num_ground_rows = std::max(system.num_ground_rows, static_cast<int>(track.ground_points.size()));
+  }
+  for (const TreeBody& body : system.tree.bodies) mass += body.mass;
+  system.weight = mass * scenario.gravity;
+  const CompiledTrack& left = system.tracks[0];
+  system.track_speed_per_sprocket_rate = left.sprocket.teeth * left.pitch / (2.0 * k_pi);
+  return system;
+}
+
+int System::num_bushings() const {
+  int count = 0;
+  for (const CompiledTrack& track : tracks) count += track.num_links;
+  return count;
+}
+int System::num_bodies() const { return 1 + static_cast<int>(tree.bodies.size()) + num_bushings(); }
+int System::num_degrees_of_freedom() const {
+  const int base = tree.base_fixed ? 0 : 6;
+  int links = 0;
+  for (const CompiledTrack& track : tracks) links += track.num_links;
+  return base + num_revolute_joints() + 6 * links;
+}
+int System::num_prescribed() const {
+  return static_cast<int>(
+      std::count_if(tree.bodies.begin(), tree.bodies.end(), [](const TreeBody& b) { return b.prescribed; }));
+}
+
+std::vector<std::string> joint_names(const System& system) {
+  std::vector<std::string> names;
+  for (const TreeBody& body : system.tree.bodies) names.push_back(body.name);
+  return names;
+}
+
+}  // namespace grouser

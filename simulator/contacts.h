@@ -1,0 +1,75 @@
+#pragma once
+#include <algorithm>
+#include <cmath>
+
+#include "simulator/workspace.h"
+
+/// The paper's section 5: discs on link (plate or edge), discs and centre guide, sprocket teeth and pins, ground.
+///
+/// One normal law everywhere, continuous in penetration and rate (Hunt & Crossley 1975): N = f_el max(0, 1 + a
+/// delta_dot). Every elastic force is the gradient of a contact energy, and every power uses the velocity dual to where
+/// its force acts, so that the energy book closes.
+namespace grouser {
+
+/// Normal force from the elastic one and the penetration rate.
+[[nodiscard]] inline double normal_factor(const CompiledContact& law, double penetration_rate) {
+  return std::max(0.0, 1.0 + law.rate * penetration_rate);
+}
+
+/// Coefficient q [N s/m] of the sliding friction force -q v: mu N / sqrt(v^2 + v_s^2), its slope capped for the
+/// explicit step.
+[[nodiscard]] inline double sliding_friction(const CompiledContact& law, double normal, double speed_squared) {
+  return std::min(law.friction_slope_limit,
+                  law.friction * normal / std::sqrt(speed_squared + law.friction_speed * law.friction_speed));
+}
+
+/// One link as the contacts see it.
+struct LinkView {
+  int index;
+  Matrix3d rotation;          ///< link -> W
+  Vector3d position;          ///< centre, W [m]
+  Vector3d velocity;          ///< W
+  Vector3d angular_velocity;  ///< W
+  [[nodiscard]] Vector3d velocity_at(const Vector3d& from_center_W) const {
+    return velocity + angular_velocity.cross(from_center_W);
+  }
+};
+[[nodiscard]] LinkView view_link(const State& state, const Workspace& work, int i);
+
+/// Adds a force to a link, `arm` from its centre, and books it to a partner.
+void push_link(Workspace& work, int i, const Vector3d& arm_W, const Vector3d& force_W, Partner partner);
+
+/// Calls visit(i) for every link (offset .. offset + num_links) whose centre is within `radius` of `center` (W).
+template <typename Visit>
+void for_links_within(const CompiledTrack& track, const State& state, const Vector3d& center, double radius,
+                      Visit visit) {
+  for (int first = 0; first < track.num_links; first += k_lanes) {
+    const int i = track.offset + first;
+    const Lanes3 p = load3(state.position, i);
+    const Lanes distance2 = (p.x - center.x()).square() + (p.y - center.y()).square() + (p.z - center.z()).square();
+    if (distance2.minCoeff() > radius * radius) continue;
+    const int end = std::min(k_lanes, track.num_links - first);
+    for (int lane = 0; lane < end; ++lane) {
+      if (distance2[lane] <= radius * radius) visit(i + lane);
+    }
+  }
+}
+
+/// Road wheels, support rollers and idler against wheel path, edges and centre guide.
+void disc_contacts(const System& system, const AssemblyKnobs& knobs, const State& state, Workspace& work);
+
+/// Pins against sprocket teeth (top, flanks with root fillet, sides) and base circle.
+void sprocket_contacts(const System& system, const AssemblyKnobs& knobs, const State& state, Workspace& work);
+
+/// Ground points against the plane, with bristle friction that truly sticks. Writes state.history's anchors.
+void ground_contacts(const System& system, const History& before, State& state, Workspace& work);
+
+/// Penetration of a pin in the gap frame of a sprocket, and the unit normal on the pin (X, Y).
+struct ToothContact {
+  double penetration = 0.0;
+  double normal_x = 0.0, normal_y = 0.0;
+  ContactCase where = ContactCase::sprocket_top;
+};
+[[nodiscard]] ToothContact touch_tooth(const CompiledSprocket& sprocket, double x, double y);
+
+}  // namespace grouser

@@ -1,0 +1,30 @@
+#pragma once
+#include "simulator/workspace.h"
+
+namespace grouser {
+
+/// Energy that went in, was stored and was lost since the book was opened [J]. The residual is the run's conscience:
+/// bounded chatter hides from every other channel (P 5).
+struct EnergyBook {
+  EnergyTerms start;            ///< stored parts when opened
+  EnergyTerms now;              ///< at the last accepted state
+  double input = 0.0;           ///< work of the prescribed joints
+  double absolute_input = 0.0;  ///< integral of |their power|
+  double bushing_loss = 0.0, contact_loss = 0.0, friction_loss = 0.0, ground_loss = 0.0;
+  double suspension_loss = 0.0, tensioner_loss = 0.0;
+
+  [[nodiscard]] double dissipated() const {
+    return bushing_loss + contact_loss + friction_loss + ground_loss + suspension_loss + tensioner_loss;
+  }
+  [[nodiscard]] double residual() const { return now.stored() - start.stored() + dissipated() - input; }
+  /// Of the integral of |sprocket power|; of the lost energy where nothing was driven.
+  [[nodiscard]] double residual_fraction() const;
+};
+
+[[nodiscard]] EnergyBook open_book(const EnergyTerms& terms);
+
+/// Books one accepted step of length h: trapezoid for powers (a rectangle is wrong by 5e-3 with variable steps, P 5.2),
+/// step energies as they are.
+void book_step(EnergyBook& book, const EnergyTerms& next, double h);
+
+}  // namespace grouser

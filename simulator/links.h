@@ -1,0 +1,26 @@
+#pragma once
+#include "simulator/integrator.h"
+#include "simulator/workspace.h"
+
+namespace grouser {
+
+/// M^t q'' = Q^t (paper eq. 6), block diagonal: accelerations of all links from the force sums; kinetic and gravity
+/// energy; the pessimistic stable step of every link (P 3) and the link that bounds it.
+void link_accelerations(const System& system, const AssemblyKnobs& knobs, const State& state, Workspace& work,
+                        Acceleration& acceleration);
+
+/// Chung-Lee update of all links. Orientation: q <- q exp(dtheta) with dtheta from the position formula in body axes
+/// (D 1.3). Returns the largest turn of a link in the step [rad].
+double advance_links(const System& system, const StepWeights& weights, const State& now, const Acceleration& f_now,
+                     const Acceleration& f_before, State& next);
+
+/// Largest embedded error of any link over its tolerance, and whose it is. Rotation counts as the speed of a point half
+/// a pitch away.
+struct LocalError {
+  double ratio = 0.0;  ///< error / tolerance, maximum norm
+  int link = -1;       ///< link array index
+};
+[[nodiscard]] LocalError link_error(const System& system, const ErrorWeights& weights, const Acceleration& next,
+                                    const Acceleration& now, const Acceleration& before);
+
+}  // namespace grouser

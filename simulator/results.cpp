@@ -1,0 +1,217 @@
+#include "simulator/results.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <optional>
+
+#include "simulator/drive.h"
+#include "simulator/track_watch.h"
+
+namespace grouser {
+namespace {
+
+struct Interval {
+  double from = 0.0, to = 0.0;
+};
+
+/// Longest stretch of the run with both sprockets at a constant speed other than zero.
+std::optional<Interval> steady_drive(const Scenario& scenario) {
+  std::vector<double> corners{0.0, scenario.duration};
+  for (const DriveTable& table : scenario.drive) corners.insert(corners.end(), table.time.begin(), table.time.end());
+  std::sort(corners.begin(), corners.end());
+  std::optional<Interval> best;
+  for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
+    const double from = std::max(0.0, corners[i]), to = std::min(scenario.duration, corners[i + 1]);
+    if (to - from < 0.5) continue;
+    const double mid = 0.5 * (from + to);
+    const DriveMotion l = drive_motion(scenario.drive[0], mid), r = drive_motion(scenario.drive[1], mid);
+    if (l.acceleration != 0.0 || r.acceleration != 0.0 || (l.speed == 0.0 && r.speed == 0.0)) continue;
+    if (!best || to - from > best->to - best->from) best = Interval{from, to};
+  }
+  return best;
+}
+
+double mean_over(const std::vector<double>& time, const std::vector<double>& value, const Interval& span) {
+  double sum = 0.0;
+  int count = 0;
+  for (std::size_t i = 0; i < time.size(); ++i) {
+    if (time[i] < span.from || time[i] > span.to) continue;
+    sum += value[i];
+    ++count;
+  }
+  return sum / std::max(1, count);
+}
+
+class Sheet {
+ public:
+  explicit Sheet(RunSummary& summary) : summary_(summary) {}
+  void result(const std::string& name, double value, const std::string& unit, const std::string& meaning) {
+    summary_.results.push_back({name, value, unit, meaning});
+  }
+  void check(const std::string& name, double value, const std::string& unit, const std::string& limit, bool pass) {
+    summary_.checks.push_back({name, value, unit, limit, pass});
+  }
+
+ private:
+  RunSummary& summary_;
+};
+
+void rest_results(const System& system, const Assembled& assembled, const RunSeries& series, Sheet& sheet) {
+  const double ground = series.ground_force.empty() ? 0.0 : series.ground_force.front();
+  sheet.result("rest_ground_force_N", ground, "N", "vertical ground force at rest, sum over all links");
+  sheet.result("weight_N", system.weight, "N", "weight of the vehicle");
+  sheet.check("Ground force at rest over weight", ground / system.weight, "1", "within 0.5 % of 1",
+              std::abs(ground / system.weight - 1.0) <= 0.005);
+  for (const Side side : {Side::left, Side::right}) {
+    const auto s = static_cast<std::size_t>(index_of(side));
+    const double asked = system.tracks[s].pre_tension, reached = assembled.sides[s].tension;
+    sheet.result(fmt::format("{}_rest_tension_N", name_of(side)), reached, "N", "mean of the upper run at rest");
+    sheet.check(fmt::format("Upper-run tension at rest over pre-tension, {}", name_of(side)), reached / asked, "1",
+                fmt::format("within 5 % of {:.1f} kN", asked / 1e3), std::abs(reached / asked - 1.0) <= 0.05);
+  }
+  sheet.result("ride_height_change_m", assembled.ride_height_change, "m", "chassis origin at rest against design");
+  sheet.result("rest_pitch_rad", assembled.pitch, "rad", "nose down > 0, at rest");
+  sheet.result("rest_largest_link_speed_m_per_s", assembled.largest_link_speed, "m/s",
+               "left of the settling at time 0");
+  sheet.check("Largest link speed at rest", assembled.largest_link_speed, "m/s", "at most 0.01 m/s",
+              assembled.largest_link_speed <= 0.01);
+}
+
+void straight_results(const System& system, const RunSeries& series, const Interval& cruise, double rate,
+                      Sheet& sheet) {
+  const double v = std::abs(rate) * system.track_speed_per_sprocket_rate;
+  // The first half second after a corner still shows the vehicle's pitching.
+  const Interval settled{cruise.from + 0.5, cruise.to};
+  const double speed = mean_over(series.time, series.speed, settled);
+  sheet.result("cruise_speed_m_per_s", speed, "m/s", "mean forward speed while the sprockets hold their speed");
+  sheet.check("Mean cruise speed", speed, "m/s", fmt::format("within 3 % of N p omega / 2 pi = {:.3f}", v),
+              std::abs(speed / v - 1.0) <= 0.03);
+  const double passing = v / system.tracks[0].pitch;
+  sheet.result("link_passing_frequency_Hz", passing, "Hz", "teeth times sprocket speed over 2 pi");
+  if (settled.to - settled.from >= 1.0 && !series.probe_time.empty()) {
+    const SpectralLine line = spectral_line(series.probe_time, series.probe_torque, settled.from, settled.to, passing);
+    sheet.result("link_passing_torque_N_m", line.amplitude, "N m",
+                 "amplitude of the left sprocket's torque at link passing");
+    sheet.result("link_passing_torque_background_N_m", line.background, "N m", "median amplitude around it");
+    sheet.check("Link-passing line in the sprocket torque over its background", line.amplitude / line.background, "1",
+                "at least 20", line.amplitude >= 20.0 * line.background);
+  }
+}
+
+void whole_straight_run(const System& system, const RunSeries& series, Sheet& sheet) {
+  const Scenario& scenario = system.scenario;
+  const double turned = drive_motion(scenario.drive[0], scenario.duration).angle;
+  const double ideal = turned * system.track_speed_per_sprocket_rate;
+  const double distance = series.x.back() - series.x.front();
+  sheet.result("distance_m", distance, "m", "way of the chassis origin along x");
+  sheet.check("Distance", distance, "m", fmt::format("within 3 % of {:.1f} m", ideal),
+              std::abs(distance - ideal) <= 0.03 * std::abs(ideal));
+  double drift = 0.0;
+  for (const double y : series.y) drift = std::max(drift, std::abs(y - series.y.front()));
+  sheet.result("lateral_drift_m", drift, "m", "largest |y| of the chassis origin");
+  sheet.check("Lateral drift", drift, "m", "under 0.02 m", drift < 0.02);
+}
+
+void turn_results(const System& system, const RunSeries& series, const Interval& turn, double left_rate,
+                  double right_rate, Sheet& sheet) {
+  const Vehicle& vehicle = system.scenario.vehicle;
+  const double tread = vehicle.side(Side::left).track_center_y - vehicle.side(Side::right).track_center_y;
+  const double no_slip = (right_rate - left_rate) * system.track_speed_per_sprocket_rate / tread;
+  const Interval settled{turn.from + std::min(1.0, 0.5 * (turn.to - turn.from)), turn.to};
+  const double rate = mean_over(series.time, series.yaw_rate, settled);
+  sheet.result("yaw_rate_rad_per_s", rate, "rad/s", "mean steady yaw rate, left turn > 0");
+  sheet.result("no_slip_yaw_rate_rad_per_s", no_slip, "rad/s", "(v_right - v_left) / tread");
+  sheet.check("Yaw rate over the no-slip rate", rate / no_slip, "1", "between 0.5 and 1",
+              rate / no_slip > 0.5 && rate / no_slip < 1.0);
+  sheet.result("yaw_turned_rad", series.yaw.back() - series.yaw.front(), "rad", "heading change over the run");
+  sheet.result("center_drift_m", std::hypot(series.x.back() - series.x.front(), series.y.back() - series.y.front()),
+               "m", "way of the chassis origin");
+}
+
+void track_results(const RunSeries& series, Sheet& sheet) {
+  sheet.result("largest_tension_N", series.largest_tension, "N", "in any bushing at any step");
+  sheet.result("least_tension_N", series.least_tension, "N", "in any bushing at any step");
+  sheet.result("largest_guide_offset_m", series.largest_guide_offset, "m",
+               "of a link from the middle of a wheel it meets");
+  double skipped = 0.0;
+  for (const double teeth : series.skipped_teeth) skipped = std::abs(teeth) > std::abs(skipped) ? teeth : skipped;
+  sheet.result("skipped_teeth", skipped, "1", "links passed at the sprocket less teeth, worse side");
+  sheet.check("Skipped teeth", skipped, "1", "under 0.5", std::abs(skipped) < 0.5);
+  sheet.check("Track stays on: lateral offset in the guide", series.largest_guide_offset, "m",
+              fmt::format("under {} m", k_thrown_offset), series.largest_guide_offset < k_thrown_offset);
+  const auto samples = static_cast<double>(std::max<std::size_t>(1, series.time.size()));
+  for (std::size_t c = 0; c < k_num_contact_cases; ++c) {
+    sheet.result(fmt::format("mean_contacts_{}", k_contact_case_names[c]), series.case_total[c] / samples, "1",
+                 "mean number of contacts of this case");
+  }
+}
+
+}  // namespace
+
+SpectralLine spectral_line(const std::vector<double>& time, const std::vector<double>& value, double from, double to,
+                           double frequency) {
+  std::vector<double> t, x;
+  for (std::size_t i = 0; i < time.size(); ++i) {
+    if (time[i] >= from && time[i] <= to) t.push_back(time[i]), x.push_back(value[i]);
+  }
+  if (t.size() < 16) return {};
+  double mean = 0.0;
+  for (const double v : x) mean += v;
+  mean /= static_cast<double>(x.size());
+  const double span = t.back() - t.front();
+  const auto amplitude = [&](double f) {
+    std::complex<double> sum = 0.0;
+    double weight = 0.0;
+    for (std::size_t i = 0; i < t.size(); ++i) {
+      const double u = (t[i] - t.front()) / span, hann = 0.5 - 0.5 * std::cos(2.0 * k_pi * u);
+      sum += hann * (x[i] - mean) * std::polar(1.0, -2.0 * k_pi * f * t[i]);
+      weight += hann;
+    }
+    return 2.0 * std::abs(sum) / weight;
+  };
+  const double bin = 1.0 / span;
+  SpectralLine line;
+  std::vector<double> around;
+  for (double f = std::max(bin, frequency - 20.0); f <= frequency + 20.0; f += bin) {
+    const double a = amplitude(f);
+    if (std::abs(f - frequency) <= 0.02 * frequency) {
+      line.amplitude = std::max(line.amplitude, a);
+    } else {
+      around.push_back(a);
+    }
+  }
+  line.amplitude = std::max(line.amplitude, amplitude(frequency));
+  std::nth_element(around.begin(), around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2), around.end());
+  line.background = around[around.size() / 2];
+  return line;
+}
+
+void add_results(const System& system, const Assembled& assembled, const RunSeries& series, const EnergyBook& book,
+                 RunSummary& summary) {
+  Sheet sheet(summary);
+  rest_results(system, assembled, series, sheet);
+  if (series.time.size() >= 2 && summary.status == RunStatus::completed) {
+    const Scenario& scenario = system.scenario;
+    if (const std::optional<Interval> steady = steady_drive(scenario)) {
+      const double mid = 0.5 * (steady->from + steady->to);
+      const double left = drive_motion(scenario.drive[0], mid).speed,
+                   right = drive_motion(scenario.drive[1], mid).speed;
+      if (left == right) {
+        straight_results(system, series, *steady, left, sheet);
+        whole_straight_run(system, series, sheet);
+      } else {
+        turn_results(system, series, *steady, left, right, sheet);
+      }
+    }
+  }
+  track_results(series, sheet);
+  sheet.check("Energy residual over the integral of |sprocket power|", book.residual_fraction(), "1", "under 1e-3",
+              book.residual_fraction() < 1e-3);
+  sheet.result("final_speed_m_per_s", series.speed.empty() ? 0.0 : series.speed.back(), "m/s",
+               "forward speed at the end");
+}
+
+}  // namespace grouser

@@ -1,0 +1,37 @@
+#pragma once
+#include <array>
+#include <vector>
+
+#include "model/run.h"
+#include "simulator/assembly.h"
+#include "simulator/energy_book.h"
+
+namespace grouser {
+
+/// Series kept in memory while a run goes, for its results: one entry a sample.
+struct RunSeries {
+  std::vector<double> time, x, y, yaw, speed, yaw_rate;  ///< chassis origin, W
+  std::vector<double> ground_force;                      ///< N, vertical, all links
+  std::array<std::vector<double>, k_num_sides> upper_tension;
+  std::vector<double> probe_time;                     ///< s, at the probe rate
+  std::vector<double> probe_torque;                   ///< N m, left sprocket
+  double largest_tension = 0.0, least_tension = 0.0;  ///< N, any joint, any step
+  double largest_guide_offset = 0.0;                  ///< m
+  std::array<double, k_num_sides> skipped_teeth{};
+  std::array<double, k_num_contact_cases> case_total{};  ///< summed over samples
+};
+
+/// Named scalars and checks of a run; which ones depends on what was driven (cruise, turn, stop, rest).
+void add_results(const System& system, const Assembled& assembled, const RunSeries& series, const EnergyBook& book,
+                 RunSummary& summary);
+
+/// Amplitude of a line at `frequency` [Hz] in samples from..to of a series (Hann window), and of its background (median
+/// over
+/// +-20 Hz).
+struct SpectralLine {
+  double amplitude = 0.0, background = 0.0;
+};
+[[nodiscard]] SpectralLine spectral_line(const std::vector<double>& time, const std::vector<double>& value, double from,
+                                         double to, double frequency);
+
+}  // namespace grouser

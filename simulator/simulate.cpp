@@ -1,0 +1,284 @@
+#include "simulator/simulate.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "model/errors.h"
+#include "simulator/assembly.h"
+#include "simulator/channels.h"
+#include "simulator/results.h"
+#include "simulator/track_watch.h"
+
+namespace grouser {
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Writes one of the sampled tables at a constant rate, between accepted states.
+class Sampler {
+ public:
+  Sampler(const ChannelRows& rows, RunTable table, double rate, RunWriter& writer)
+      : rows_(rows), table_(table), period_(1.0 / rate), writer_(writer) {}
+
+  [[nodiscard]] bool due(double time) const {
+    return static_cast<double>(count_) * period_ <= time * (1.0 + 1e-12) + 1e-12;
+  }
+
+  /// Writes the rows due in (previous, now]. Returns true if any was written; `last_row` holds the last one.
+  bool write(const Snapshot& previous, const Snapshot& now) {
+    if (!due(now.state.time)) return false;
+    rows_.fill(table_, previous, before_);
+    rows_.fill(table_, now, after_);
+    const double span = now.state.time - previous.state.time;
+    for (; due(now.state.time); ++count_) {
+      const double at = static_cast<double>(count_) * period_;
+      rows_.blend(table_, before_, after_, span > 0.0 ? std::clamp((at - previous.state.time) / span, 0.0, 1.0) : 1.0,
+                  row_);
+      row_[0] = at;
+      writer_.append(static_cast<std::size_t>(table_), row_);
+    }
+    return true;
+  }
+
+ private:
+  const ChannelRows& rows_;
+  RunTable table_;
+  double period_;
+  RunWriter& writer_;
+  long count_ = 0;
+  std::vector<double> before_, after_, row_;
+};
+
+/// A run from its assembled state to its end.
+class Run {
+ public:
+  Run(const System& system, const Assembled& assembled, const std::filesystem::path& folder)
+      : system_(system),
+        stepper_(system, assembled.state, assembled.knobs),
+        book_(open_book(stepper_.work().energy)),
+        previous_book_(book_),
+        rows_(system),
+        writer_(folder / "run.h5", rows_.tables(), rows_.names()),
+        samples_(rows_, RunTable::samples, system.scenario.output.rate, writer_),
+        probes_(rows_, RunTable::probes, system.scenario.output.probe_rate, writer_),
+        counters_{ToothCounter(system, assembled.state, Side::left),
+                  ToothCounter(system, assembled.state, Side::right)} {
+    series_.least_tension = std::numeric_limits<double>::infinity();
+    series_.largest_tension = -std::numeric_limits<double>::infinity();
+    record(snapshot(), snapshot());
+  }
+
+  /// Steps to the end; returns the status and fills the summary's message.
+  RunStatus go(const Progress& progress, RunSummary& summary) {
+    const double duration = system_.scenario.duration;
+    std::vector<double> corners{duration};
+    for (const DriveTable& table : system_.scenario.drive) {
+      for (const double t : table.time) {
+        if (t > 0.0 && t < duration) corners.push_back(t);
+      }
+    }
+    std::sort(corners.begin(), corners.end());
+    for (const double corner : corners) {
+      while (stepper_.state().time < corner) {
+        if (const RunStatus status = advance_to(corner, summary); status != RunStatus::completed) return status;
+        if (steps_.accepted % 500 == 0 && !report(progress, duration, summary)) return RunStatus::stopped;
+      }
+    }
+    if (book_.residual_fraction() >= k_largest_residual) return chatter(summary);
+    summary.message = fmt::format("{:.3f} s simulated", stepper_.state().time);
+    return RunStatus::completed;
+  }
+
+  void finish(const Assembled& assembled, RunSummary& summary) {
+    writer_.close();
+    summary.simulated_time = stepper_.state().time;
+    steps_.mean = steps_.accepted > 0 ? stepper_.state().time / static_cast<double>(steps_.accepted) : 0.0;
+    summary.steps.accepted = steps_.accepted;
+    summary.steps.rejected = stepper_.rejected();
+    summary.steps.force_evaluations = stepper_.evaluations();
+    summary.steps.min = steps_.accepted > 0 ? steps_.min : 0.0;
+    summary.steps.mean = steps_.mean;
+    summary.steps.max = steps_.max;
+    summary.energy.input = book_.input;
+    summary.energy.dissipated = book_.dissipated();
+    summary.energy.residual = book_.residual();
+    summary.energy.residual_fraction = book_.residual_fraction();
+    for (std::size_t s = 0; s < k_num_sides; ++s) series_.skipped_teeth[s] = counters_[s].skipped();
+    add_results(system_, assembled, series_, book_, summary);
+    summary.results.push_back({"mean_step_s", steps_.mean, "s", "mean accepted step"});
+  }
+
+ private:
+  static constexpr double k_largest_residual = 1e-3;
+
+  [[nodiscard]] Snapshot snapshot() const {
+    return {stepper_.state(), stepper_.work(), stepper_.acceleration(), book_};
+  }
+
+  RunStatus advance_to(double until, RunSummary& summary) {
+    const StepStatus status = stepper_.step(until);
+    if (status != StepStatus::ok) return numerical_failure(status, summary);
+    previous_book_ = book_;
+    book_step(book_, stepper_.work().energy, stepper_.last_step());
+    ++steps_.accepted;
+    steps_.min = std::min(steps_.min, stepper_.last_step());
+    steps_.max = std::max(steps_.max, stepper_.last_step());
+    const Snapshot previous{stepper_.previous_state(), stepper_.previous_work(), stepper_.acceleration(),
+                            previous_book_};
+    record(previous, snapshot());
+    const std::array<double, 4> step{stepper_.state().time, stepper_.last_step(), stepper_.last_error(),
+                                     static_cast<double>(stepper_.last_limit())};
+    writer_.append(static_cast<std::size_t>(RunTable::steps), step);
+    watch_tensions();
+    return watch_track(summary);
+  }
+
+  void record(const Snapshot& previous, const Snapshot& now) {
+    if (probes_.write(previous, now)) {
+      series_.probe_time.push_back(now.state.time);
+      series_.probe_torque.push_back(now.work.chassis.joint_torque[system_.sprocket_body[0]]);
+    }
+    if (!samples_.write(previous, now)) return;
+    const Matrix3d& R_WV = now.work.chassis.base_rotation;
+    const Vector3d origin = now.state.chassis.position - R_WV * system_.chassis_center_V;
+    series_.time.push_back(now.state.time);
+    series_.x.push_back(origin.x());
+    series_.y.push_back(origin.y());
+    const double yaw = std::atan2(R_WV(1, 0), R_WV(0, 0));
+    series_.yaw.push_back(
+        series_.yaw.empty() ? yaw : series_.yaw.back() + std::remainder(yaw - series_.yaw.back(), 2.0 * k_pi));
+    series_.speed.push_back(R_WV.col(0).dot(now.state.chassis.velocity));
+    series_.yaw_rate.push_back(now.work.chassis.base_angular_velocity_W.z());
+    double ground = 0.0;
+    for (const double f : vertical_ground_force(now.work)) ground += f;
+    series_.ground_force.push_back(ground);
+    for (std::size_t c = 0; c < k_num_contact_cases; ++c)
+      series_.case_total[c] += static_cast<double>(now.work.case_count[c]);
+    for (ToothCounter& counter : counters_) counter.update(system_, now.state);
+  }
+
+  [[nodiscard]] std::span<const double> vertical_ground_force(const Workspace& work) const {
+    const Field& ground = work.contact_force_W[static_cast<std::size_t>(Partner::ground)];
+    return {ground[2], static_cast<std::size_t>(ground.length())};
+  }
+
+  void watch_tensions() {
+    for (const CompiledTrack& track : system_.tracks) {
+      const double* tension = stepper_.work().bushing_force[0] + track.offset;
+      const auto [low, high] = std::minmax_element(tension, tension + track.num_links);
+      series_.least_tension = std::min(series_.least_tension, *low);
+      series_.largest_tension = std::max(series_.largest_tension, *high);
+    }
+  }
+
+  RunStatus watch_track(RunSummary& summary) {
+    for (const Side side : {Side::left, Side::right}) {
+      const double offset = stepper_.work().lateral_guide_offset[static_cast<std::size_t>(index_of(side))];
+      series_.largest_guide_offset = std::max(series_.largest_guide_offset, offset);
+      if (offset < k_thrown_offset) continue;
+      summary.message = fmt::format(
+          "{} track thrown at {:.4f} s: a link stands {:.0f} mm beside the wheel it meets; the guide no longer holds "
+          "it (pre-tension, "
+          "guide geometry, steering speed)",
+          name_of(side), stepper_.state().time, 1e3 * offset);
+      return RunStatus::failed;
+    }
+    return RunStatus::completed;
+  }
+
+  RunStatus numerical_failure(StepStatus status, RunSummary& summary) {
+    const int link = stepper_.worst_link();
+    std::string body = "the chassis";
+    for (const CompiledTrack& track : system_.tracks) {
+      if (link >= track.offset && link < track.offset + track.num_links) {
+        body = fmt::format("link {} of the {} track", link - track.offset, name_of(track.side));
+      }
+    }
+    const std::string cause =
+        status == StepStatus::underflow
+            ? "asks for a step below integrator.min_step: step underflow"
+            : "is no longer finite, or a link turned by more than half a radian in a step: the run diverged";
+    summary.message = fmt::format("at {:.6f} s the acceleration of {} {}", stepper_.state().time, body, cause);
+    return RunStatus::failed;
+  }
+
+  RunStatus chatter(RunSummary& summary) {
+    summary.message = fmt::format(
+        "energy residual {:.2e} of the integral of |sprocket power|, more than {:.0e}: hidden chatter; reduce "
+        "integrator.stability_fraction "
+        "or max_step, or soften the stiffest contact",
+        book_.residual_fraction(), k_largest_residual);
+    return RunStatus::failed;
+  }
+
+  bool report(const Progress& progress, double duration, RunSummary& summary) {
+    if (!progress) return true;
+    const double t = stepper_.state().time;
+    if (progress({t / duration, fmt::format("{:.2f} of {:g} s", t, duration)})) return true;
+    summary.message = fmt::format("interrupted at {:.4f} s of {:g} s", t, duration);
+    return false;
+  }
+
+  const System& system_;
+  Stepper stepper_;
+  EnergyBook book_, previous_book_;
+  ChannelRows rows_;
+  RunWriter writer_;
+  Sampler samples_, probes_;
+  std::array<ToothCounter, k_num_sides> counters_;
+  RunSeries series_;
+  struct {
+    long accepted = 0;
+    double min = 1.0, mean = 0.0, max = 0.0;
+  } steps_;
+};
+
+RunSummary start_summary(const System& system) {
+  RunSummary summary;
+  const Scenario& scenario = system.scenario;
+  summary.name = scenario.name;
+  summary.vehicle_name = scenario.vehicle.name;
+  summary.bushing_name = scenario.bushing.name;
+  summary.provenance = scenario.provenance;
+  summary.counts.bodies = system.num_bodies();
+  summary.counts.revolute_joints = system.num_revolute_joints();
+  summary.counts.bushings = system.num_bushings();
+  summary.counts.degrees_of_freedom = system.num_degrees_of_freedom();
+  summary.counts.prescribed = system.num_prescribed();
+  return summary;
+}
+
+}  // namespace
+
+RunSummary simulate(const Scenario& scenario, const std::filesystem::path& folder, const Progress& progress) {
+  const System system = compile(scenario);
+  RunSummary summary = start_summary(system);
+  constexpr double k_assembly_share = 0.25;  // of the progress bar
+  auto start = std::chrono::steady_clock::now();
+  const Assembled assembled = assemble(system, [&](const ProgressReport& r) {
+    return !progress || progress({k_assembly_share * r.fraction, r.what});
+  });
+  summary.assembly_wall_time = seconds_since(start);
+
+  std::filesystem::create_directories(folder);
+  write_inputs(scenario, folder);
+  start = std::chrono::steady_clock::now();
+  Run run(system, assembled, folder);
+  summary.status = run.go(
+      [&](const ProgressReport& r) {
+        return !progress || progress({k_assembly_share + (1.0 - k_assembly_share) * r.fraction, r.what});
+      },
+      summary);
+  summary.wall_time = seconds_since(start);
+  run.finish(assembled, summary);
+  write_run_summary(summary, folder / "run.json");
+  return summary;
+}
+
+}  // namespace grouser

@@ -1,0 +1,75 @@
+#include "simulator/state.h"
+
+#include "simulator/workspace.h"
+
+namespace grouser {
+
+State make_state(const System& system) {
+  const int n = system.link_array_length;
+  State state;
+  state.chassis = make_state(system.tree);
+  state.position = Field(3, n);
+  state.orientation = Field(4, n);
+  std::fill(state.orientation[0], state.orientation[0] + n, 1.0);
+  state.velocity = Field(3, n);
+  state.angular_velocity = Field(3, n);
+  state.history.deflection = Field(k_num_axes, n);
+  state.history.stop = Field(system.num_stop_rows, n);
+  state.history.branch = Field(system.num_branch_rows, n);
+  state.history.anchor_x = Field(system.num_ground_rows, n);
+  state.history.anchor_y = Field(system.num_ground_rows, n);
+  state.history.stretch_x = Field(system.num_ground_rows, n);
+  state.history.stretch_y = Field(system.num_ground_rows, n);
+  state.history.anchored = Field(system.num_ground_rows, n);
+  return state;
+}
+
+Acceleration make_acceleration(const System& system) {
+  Acceleration acceleration;
+  acceleration.chassis.joint = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(system.tree.bodies.size()));
+  acceleration.linear = Field(3, system.link_array_length);
+  acceleration.angular = Field(3, system.link_array_length);
+  return acceleration;
+}
+
+void close_chains(const System& system, State& state) {
+  for (const CompiledTrack& track : system.tracks) {
+    const int first = track.offset, last = track.offset + track.num_links;
+    const int end = &track == &system.tracks.back() ? system.link_array_length : (&track + 1)->offset;
+    for (Field* field : {&state.position, &state.orientation, &state.velocity, &state.angular_velocity}) {
+      for (int c = 0; c < field->components(); ++c) {
+        std::fill((*field)[c] + last, (*field)[c] + end, (*field)[c][first]);
+      }
+    }
+  }
+}
+
+Workspace make_workspace(const System& system) {
+  const int n = system.link_array_length;
+  Workspace work;
+  work.chassis = make_workspace(system.tree);
+  work.rotation = Field(9, n);
+  for (const int diagonal : {0, 4, 8}) std::fill(work.rotation[diagonal], work.rotation[diagonal] + n, 1.0);
+  work.angular_velocity_W = Field(3, n);
+  work.joint_force_W = Field(3, n);
+  work.joint_torque_next_W = Field(3, n);
+  work.joint_torque_own_W = Field(3, n);
+  work.deflection = Field(k_num_axes, n);
+  work.bushing_force = Field(3, n);
+  work.bushing_torque = Field(3, n);
+  work.joint_stiffness = Field(k_num_axes, n);
+  work.joint_damping = Field(k_num_axes, n);
+  work.force_W = Field(3, n);
+  work.torque_W = Field(3, n);
+  work.stability = Field(2, n);
+  for (Field& field : work.contact_force_W) field = Field(3, n);
+  for (const CompiledTrack& track : system.tracks) {
+    for (std::size_t a = 0; a < k_num_axes; ++a) {
+      work.branch_step[static_cast<std::size_t>(index_of(track.side))][a].resize(track.bushing[a].branches.size());
+    }
+  }
+  work.prescribed_acceleration.assign(system.tree.bodies.size(), 0.0);
+  return work;
+}
+
+}  // namespace grouser

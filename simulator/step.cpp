@@ -1,0 +1,209 @@
+#include "simulator/step.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "simulator/bushings.h"
+#include "simulator/contacts.h"
+#include "simulator/drive.h"
+#include "simulator/links.h"
+#include "simulator/suspension.h"
+
+namespace grouser {
+namespace {
+
+void reset(Workspace& work) {
+  work.energy = {};
+  work.force_W.fill(0.0);
+  work.torque_W.fill(0.0);
+  work.stability.fill(0.0);
+  for (Field& field : work.contact_force_W) field.fill(0.0);
+  work.lateral_guide_offset = {};
+  work.case_count = {};
+}
+
+void place_bodies(const System& system, const State& state, Workspace& work) {
+  place_tree(system.tree, state.chassis, system.gravity_W, work.chassis);
+  place_links(system, state, work);
+}
+
+void drive_accelerations(const System& system, const State& state, Workspace& work) {
+  for (std::size_t side = 0; side < k_num_sides; ++side) {
+    work.prescribed_acceleration[static_cast<std::size_t>(system.sprocket_body[side])] =
+        drive_motion(system.scenario.drive[side], state.time).acceleration;
+  }
+}
+
+void chassis_accelerations(const System& system, const AssemblyKnobs& knobs, const State& state, Workspace& work,
+                           Acceleration& acceleration) {
+  TreeAcceleration& a = acceleration.chassis;
+  tree_accelerations(system.tree, state.chassis, work.prescribed_acceleration, work.chassis, a);
+  work.energy.kinetic += work.chassis.kinetic_energy;
+  work.energy.gravity += gravity_energy(system.tree, state.chassis, system.gravity_W, work.chassis);
+  for (const int sprocket : system.sprocket_body) {
+    work.energy.input_power += work.chassis.joint_torque[sprocket] * state.chassis.rate[sprocket];
+  }
+  if (knobs.mass_damping == 0.0) return;
+  a.linear -= knobs.mass_damping * state.chassis.velocity;
+  a.angular -= knobs.mass_damping * state.chassis.angular_velocity;
+  for (Eigen::Index j = 0; j < a.joint.size(); ++j) {
+    if (!system.tree.bodies[static_cast<std::size_t>(j)].prescribed)
+      a.joint[j] -= knobs.mass_damping * state.chassis.rate[j];
+  }
+}
+
+void advance_chassis(const System& system, const StepWeights& w, double time, const TreeState& now,
+                     const TreeAcceleration& f, const TreeAcceleration& f0, TreeState& next) {
+  next.position = now.position + w.h * now.velocity + w.position_now * f.linear + w.position_before * f0.linear;
+  next.velocity = now.velocity + w.velocity_now * f.linear + w.velocity_before * f0.linear;
+  const Vector3d angle = w.h * now.angular_velocity + w.position_now * f.angular + w.position_before * f0.angular;
+  next.orientation = (now.orientation * quaternion_exp(angle)).normalized();
+  next.angular_velocity = now.angular_velocity + w.velocity_now * f.angular + w.velocity_before * f0.angular;
+  next.angle = now.angle + w.h * now.rate + w.position_now * f.joint + w.position_before * f0.joint;
+  next.rate = now.rate + w.velocity_now * f.joint + w.velocity_before * f0.joint;
+  for (std::size_t side = 0; side < k_num_sides; ++side) {  // prescribed motion is exact, not integrated
+    const int body = system.sprocket_body[side];
+    const DriveTable& table = system.scenario.drive[side];
+    const DriveMotion from = drive_motion(table, time), to = drive_motion(table, time + w.h);
+    next.angle[body] = now.angle[body] + (to.angle - from.angle);
+    next.rate[body] = to.speed;
+  }
+}
+
+/// Largest error of the joints' rates over the tolerance, as the speed of a point 0.3 m from the axis.
+double joint_error(const System& system, const ErrorWeights& w, const TreeAcceleration& next,
+                   const TreeAcceleration& now, const TreeAcceleration& before) {
+  constexpr double k_arm = 0.3;  // m
+  double worst = 0.0;
+  for (Eigen::Index j = 0; j < now.joint.size(); ++j) {
+    if (system.tree.bodies[static_cast<std::size_t>(j)].prescribed) continue;
+    const double bend = next.joint[j] - now.joint[j] - w.ratio * (now.joint[j] - before.joint[j]);
+    worst = std::max(worst, k_arm * w.velocity * std::abs(bend));
+  }
+  return worst / system.scenario.integrator.velocity_tolerance;
+}
+
+bool finite(const Acceleration& acceleration) {
+  double sum =
+      acceleration.chassis.linear.sum() + acceleration.chassis.angular.sum() + acceleration.chassis.joint.sum();
+  for (const double a : acceleration.linear.data()) sum += a;
+  for (const double a : acceleration.angular.data()) sum += a;
+  return std::isfinite(sum);
+}
+
+}  // namespace
+
+void evaluate(const System& system, const AssemblyKnobs& knobs, const History& before, double h, State& state,
+              Workspace& work, Acceleration& acceleration) {
+  reset(work);
+  place_bodies(system, state, work);
+  bushing_forces(system, knobs, before, h, state, work);
+  disc_contacts(system, knobs, state, work);
+  sprocket_contacts(system, knobs, state, work);
+  ground_contacts(system, before, state, work);
+  suspension_forces(system, knobs, state, work);
+  drive_accelerations(system, state, work);
+  sum_joint_forces(system, work);
+  chassis_accelerations(system, knobs, state, work, acceleration);
+  link_accelerations(system, knobs, state, work, acceleration);
+}
+
+double advance(const System& system, double h, double previous_h, const State& now, const Acceleration& f_now,
+               const Acceleration& f_before, State& next) {
+  const StepWeights weights = step_weights(system.scenario.integrator.beta, h, previous_h);
+  next.time = now.time + h;
+  advance_chassis(system, weights, now.time, now.chassis, f_now.chassis, f_before.chassis, next.chassis);
+  const double turn = advance_links(system, weights, now, f_now, f_before, next);
+  close_chains(system, next);
+  return turn;
+}
+
+Stepper::Stepper(const System& system, State start, const AssemblyKnobs& start_knobs)
+    : knobs(start_knobs),
+      system_(system),
+      states_{start, start},
+      works_{make_workspace(system), make_workspace(system)},
+      accelerations_{make_acceleration(system), make_acceleration(system), make_acceleration(system)} {
+  restart();
+}
+
+void Stepper::restart() {
+  // history is both the memory before and, for a step of length 0, after this evaluation
+  states_[1 - now_].history = states_[now_].history;
+  evaluate(system_, knobs, states_[1 - now_].history, 0.0, states_[now_], works_[now_], accelerations_[f_now_]);
+  ++evaluations_;
+  accelerations_[f_before_] = accelerations_[f_now_];  // start f_{-1} = f_0 keeps the order (D 1.3)
+  const IntegratorOptions& options = system_.scenario.integrator;
+  h_ = options.fixed_step > 0.0 ? options.fixed_step
+                                : std::min(options.max_step, 0.5 * works_[now_].largest_stable_step);
+  previous_h_ = h_;
+  limit_ = options.fixed_step > 0.0 ? StepLimit::fixed : StepLimit::growth;
+}
+
+StepStatus Stepper::step(double until) {
+  const IntegratorOptions& options = system_.scenario.integrator;
+  for (;;) {
+    const State& now = states_[now_];
+    State& next = states_[1 - now_];
+    Workspace& next_work = works_[1 - now_];
+    const double left = until - now.time;
+    // The last two steps share what is left: a sliver of a step would make the slope form divide by it.
+    const bool last = left <= h_ * (1.0 + 1e-9);
+    const double h = last ? left : (left < 2.0 * h_ ? 0.5 * left : h_);
+    const double turn = advance(system_, h, previous_h_, now, accelerations_[f_now_], accelerations_[f_before_], next);
+    if (!(turn < 0.5)) return StepStatus::diverged;  // rad in one step; also a NaN
+    evaluate(system_, knobs, now.history, h, next, next_work, accelerations_[f_next_]);
+    ++evaluations_;
+
+    double ratio = 0.0;
+    if (options.fixed_step <= 0.0) {
+      const ErrorWeights weights = error_weights(options.beta, h, previous_h_);
+      const LocalError error =
+          link_error(system_, weights, accelerations_[f_next_], accelerations_[f_now_], accelerations_[f_before_]);
+      worst_link_ = error.link;
+      ratio = std::max(error.ratio, joint_error(system_, weights, accelerations_[f_next_].chassis,
+                                                accelerations_[f_now_].chassis, accelerations_[f_before_].chassis));
+      if (ratio > 1.0) {
+        if (h <= options.min_step) return StepStatus::underflow;
+        h_ = std::max(options.min_step, h * std::clamp(0.9 * std::cbrt(1.0 / ratio), 0.2, 0.9));
+        limit_ = StepLimit::error;
+        ++rejected_;
+        continue;
+      }
+    }
+    if (!finite(accelerations_[f_next_])) return StepStatus::diverged;
+    last_limit_ = h < h_ ? StepLimit::end : limit_;
+    last_error_ = ratio;
+    const std::size_t oldest = f_before_;
+    f_before_ = f_now_;
+    f_now_ = f_next_;
+    f_next_ = oldest;
+    now_ = 1 - now_;
+    previous_h_ = h;
+    if (last) states_[now_].time = until;
+    choose_next_step(ratio);
+    return StepStatus::ok;
+  }
+}
+
+void Stepper::choose_next_step(double error_ratio) {
+  const IntegratorOptions& options = system_.scenario.integrator;
+  if (options.fixed_step > 0.0) {
+    h_ = options.fixed_step;
+    limit_ = StepLimit::fixed;
+    return;
+  }
+  const double used = previous_h_;
+  h_ = used * std::max(0.2, 0.9 * std::cbrt(1.0 / std::max(error_ratio, 1e-9)));
+  limit_ = StepLimit::error;
+  const auto bound = [&](double h, StepLimit why) {
+    if (h < h_) h_ = h, limit_ = why;
+  };
+  bound(options.stability_fraction * works_[now_].largest_stable_step, StepLimit::stability);
+  bound(options.growth_limit * used, StepLimit::growth);
+  bound(options.max_step, StepLimit::max_step);
+  if (h_ < options.min_step) h_ = options.min_step, limit_ = StepLimit::min_step;
+}
+
+}  // namespace grouser

@@ -1,0 +1,67 @@
+#pragma once
+#include "simulator/workspace.h"
+
+/// One step of the whole vehicle: kinematics, forces, accelerations, Chung-Lee update.
+namespace grouser {
+
+/// Forces and accelerations at `state` (positions, velocities and time given). `before` is the memory at the last
+/// accepted state and h the step that led from it (0: none). Fills state.history, work and acceleration. Allocates
+/// nothing.
+void evaluate(const System& system, const AssemblyKnobs& knobs, const History& before, double h, State& state,
+              Workspace& work, Acceleration& acceleration);
+
+/// Positions and velocities of `next` from `now` (history apart). Returns the largest turn of a link [rad].
+double advance(const System& system, double h, double previous_h, const State& now, const Acceleration& f_now,
+               const Acceleration& f_before, State& next);
+
+/// What bounded a step's size.
+enum class StepLimit { error, stability, growth, max_step, min_step, end, fixed };
+inline constexpr const char* k_step_limit_names[] = {"error",    "stability", "growth", "max_step",
+                                                     "min_step", "end",       "fixed"};
+
+enum class StepStatus { ok, diverged, underflow };
+
+/// The state that a run moves through: two states and workspaces taken in turn, three accelerations.
+class Stepper {
+ public:
+  Stepper(const System& system, State start, const AssemblyKnobs& knobs);
+
+  /// One accepted step, at most to `until`. On `diverged` or `underflow` the last good state stays current.
+  [[nodiscard]] StepStatus step(double until);
+
+  /// Evaluates the current state anew after knobs or options changed; the next step starts like the first.
+  void restart();
+
+  AssemblyKnobs knobs;
+  [[nodiscard]] State& state() { return states_[now_]; }
+  [[nodiscard]] const State& state() const { return states_[now_]; }
+  [[nodiscard]] const State& previous_state() const { return states_[1 - now_]; }
+  [[nodiscard]] const Workspace& work() const { return works_[now_]; }
+  [[nodiscard]] const Workspace& previous_work() const { return works_[1 - now_]; }
+  [[nodiscard]] const Acceleration& acceleration() const { return accelerations_[f_now_]; }
+  [[nodiscard]] double last_step() const { return previous_h_; }
+  [[nodiscard]] double last_error() const { return last_error_; }
+  [[nodiscard]] StepLimit last_limit() const { return last_limit_; }
+  [[nodiscard]] long rejected() const { return rejected_; }
+  [[nodiscard]] long evaluations() const { return evaluations_; }
+  /// Link (array index) of the largest error of the last trial, -1 if none.
+  [[nodiscard]] int worst_link() const { return worst_link_; }
+
+ private:
+  void choose_next_step(double error_ratio);
+
+  const System& system_;
+  std::array<State, 2> states_;
+  std::array<Workspace, 2> works_;
+  std::array<Acceleration, 3> accelerations_;
+  std::size_t now_ = 0;
+  std::size_t f_before_ = 0, f_now_ = 1, f_next_ = 2;
+  double h_ = 0.0;           ///< wanted next
+  double previous_h_ = 0.0;  ///< last accepted
+  StepLimit limit_ = StepLimit::max_step, last_limit_ = StepLimit::max_step;
+  double last_error_ = 0.0;
+  long rejected_ = 0, evaluations_ = 0;
+  int worst_link_ = -1;
+};
+
+}  // namespace grouser

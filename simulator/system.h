@@ -1,0 +1,142 @@
+#pragma once
+#include <array>
+#include <string>
+#include <vector>
+
+#include "model/scenario.h"
+#include "simulator/tree.h"
+
+/// Everything that does not change during a run, compiled from Vehicle + Bushing + Scenario.
+namespace grouser {
+
+/// Spring curve with a uniform table of intervals, so that a lookup costs the same for any knots.
+struct CompiledSpring {
+  double low = 0.0, high = 0.0;  ///< first and last knot
+  double cells_per_unit = 0.0;
+  std::vector<int> cell_interval;            ///< first interval that may hold a displacement of the cell
+  std::vector<double> knot;                  ///< interval starts and the last knot
+  std::vector<std::array<double, 4>> cubic;  ///< force = c0 + u (c1 + u (c2 + u c3)), u from the interval's start
+  std::vector<double> energy;                ///< stored energy at the interval's start, zero at displacement 0
+  double low_slope = 0.0, high_slope = 0.0;
+  double high_force = 0.0, high_energy = 0.0;
+};
+
+/// One bushing axis as the step uses it (model/bushing_law.h).
+struct CompiledAxis {
+  CompiledSpring spring;
+  std::vector<FrictionStop> stops;
+  std::vector<MaxwellBranch> branches;
+  double viscous = 0.0;
+  int first_stop = 0;    ///< row of the first stop in History::stop
+  int first_branch = 0;  ///< row of the first branch in History::branch
+};
+
+/// Contact law with its rate coefficient a [s/m] solved from the restitution (D 5.1).
+struct CompiledContact {
+  double stiffness = 0.0;
+  double rate = 0.0;  ///< a in f = k delta (1 + a delta_dot)
+  double friction = 0.0;
+  double friction_speed = 0.1;
+  double friction_slope_limit = 2e4;
+};
+
+/// A disc pair that a track runs over.
+enum class Partner { road_wheel, support_roller, idler, sprocket, guide, ground };
+inline constexpr int k_num_partners = 6;
+inline constexpr std::array<const char*, k_num_partners> k_partner_names{"road_wheel", "support_roller", "idler",
+                                                                         "sprocket",   "guide",          "ground"};
+struct CompiledDiscs {
+  int body = 0;  ///< tree body
+  Partner partner = Partner::road_wheel;
+  double radius = 0.0;
+  double disc_offset = 0.0;  ///< m, lateral position of each disc's middle
+  double half_gap = 0.0;     ///< m
+  CompiledContact contact;
+};
+
+/// The gap between two sprocket teeth in its own frame: X radial outwards through the gap's middle, Y tangential.
+struct CompiledSprocket {
+  int body = 0;
+  int teeth = 10;
+  double pitch_radius = 0.0;
+  double tip_radius = 0.0, base_radius = 0.0;
+  double pin_radius = 0.0;
+  double seat_radius = 0.0;  ///< fillet radius = pin radius + clearance
+  double seat_center = 0.0;  ///< X of the fillet's centre
+  double flank_sin = 0.0, flank_cos = 1.0;
+  double corner_x = 0.0, corner_y = 0.0;  ///< where the flank meets the tip circle (Y > 0 side)
+  double ring_offset = 0.0;
+  double side_clearance = 0.0, side_stiffness = 0.0;
+  CompiledContact contact;  ///< stiffness per ring
+};
+
+struct CompiledTrack {
+  Side side = Side::left;
+  int num_links = 0;
+  int offset = 0;  ///< first element in the link arrays
+  double pitch = 0.0;
+  double mass = 0.0;
+  Vector3d inertia = Vector3d::Zero();
+  std::array<CompiledAxis, k_num_axes> bushing;
+  int bushings_in_series = 1;  ///< 2 for a double pin: each takes half the deflection
+  double free_twist = 0.0;     ///< hinge angle at which the bushing is free [rad]
+  double wheel_path_height = 0.0, ground_depth = 0.0, half_width = 0.0;
+  double guide_height = 0.0, guide_half_base = 0.0, guide_half_top = 0.0;
+  CompiledContact guide;
+  std::vector<Vector3d> ground_points;
+  CompiledContact ground;
+  double bristle_stiffness = 0.0, bristle_damping = 0.0;
+  std::vector<CompiledDiscs> discs;
+  CompiledSprocket sprocket;
+  double pre_tension = 0.0;
+};
+
+enum class JointSpring { none, torsion_bar, hydropneumatic, tensioner };
+
+/// Suspension or tensioner acting along one joint.
+struct CompiledSuspension {
+  int body = 0;
+  Side side = Side::left;
+  JointSpring kind = JointSpring::none;
+  double bump_sign = 1.0;     ///< +1: bump is a positive joint angle (trailing arm)
+  double design_angle = 0.0;  ///< rad below horizontal at joint angle 0
+  TorsionBar bar;
+  Hydropneumatic unit;
+  double bump_angle = 0.0, rebound_angle = 0.0, stop_stiffness = 0.0;
+  double tensioner_stiffness = 0.0, tensioner_damping = 0.0;  ///< N m/rad, N m s/rad about the arm pivot
+};
+
+struct System {
+  Scenario scenario;  ///< what it was compiled from
+  Tree tree;
+  std::vector<CompiledSuspension> suspension;
+  std::array<int, k_num_sides> sprocket_body{};
+  std::array<int, k_num_sides> idler_arm_body{};
+  std::array<CompiledTrack, k_num_sides> tracks;
+  int link_array_length = 0;  ///< of every link array, padding included
+  int num_stop_rows = 0, num_branch_rows = 0, num_ground_rows = 0;
+  Vector3d gravity_W = Vector3d::Zero();
+  Vector3d chassis_center_V = Vector3d::Zero();  ///< chassis centre of mass in the vehicle frame
+  double ground_friction = 0.0;
+  double weight = 0.0;                         ///< N, whole vehicle
+  double track_speed_per_sprocket_rate = 0.0;  ///< N p / 2 pi of the left track [m]
+
+  [[nodiscard]] int num_bodies() const;
+  [[nodiscard]] int num_revolute_joints() const { return static_cast<int>(tree.bodies.size()); }
+  [[nodiscard]] int num_bushings() const;
+  [[nodiscard]] int num_degrees_of_freedom() const;
+  [[nodiscard]] int num_prescribed() const;
+};
+
+[[nodiscard]] System compile(const Scenario& scenario);
+
+/// Rate coefficient a [s/m] of f = k delta^n (1 + a delta_dot) with restitution e at impact speed v (exact for any n,
+/// k, m): (1 + e) a v = ln[(1 + a v) / (1 - e a v)]   (D 5.1).
+[[nodiscard]] double rate_coefficient(double restitution, double speed);
+
+[[nodiscard]] CompiledSpring compile_spring(const SpringSpline& spring);
+
+/// Joint names in file order: `left/arm_1`, ... (the order of tree.bodies).
+[[nodiscard]] std::vector<std::string> joint_names(const System& system);
+
+}  // namespace grouser

@@ -1,0 +1,97 @@
+#pragma once
+#include <array>
+#include <vector>
+
+#include "model/bushing_law.h"
+#include "simulator/state.h"
+
+namespace grouser {
+
+/// Contact cases of the paper's section 5, counted at every evaluation that asks for it.
+enum class ContactCase {
+  one_disc_on_plate,
+  two_discs_on_plate,
+  one_disc_on_edge,
+  two_discs_on_edge,
+  guide_left_wall,
+  guide_right_wall,
+  guide_top,
+  guide_none,
+  sprocket_top,
+  sprocket_flank_driving,
+  sprocket_flank_braking,
+  sprocket_side_left,
+  sprocket_side_right,
+  sprocket_base,
+  ground_point
+};
+inline constexpr int k_num_contact_cases = 15;
+inline constexpr std::array<const char*, k_num_contact_cases> k_contact_case_names{"one_disc_on_plate",
+                                                                                   "two_discs_on_plate",
+                                                                                   "one_disc_on_edge",
+                                                                                   "two_discs_on_edge",
+                                                                                   "guide_left_wall",
+                                                                                   "guide_right_wall",
+                                                                                   "guide_top",
+                                                                                   "guide_none",
+                                                                                   "sprocket_top",
+                                                                                   "sprocket_flank_driving",
+                                                                                   "sprocket_flank_braking",
+                                                                                   "sprocket_side_left",
+                                                                                   "sprocket_side_right",
+                                                                                   "sprocket_base",
+                                                                                   "ground_point"};
+
+/// Energies and powers at one state. Losses of elements with memory are energies of the step that led here.
+struct EnergyTerms {
+  double kinetic = 0.0, gravity = 0.0, bushing = 0.0, suspension = 0.0, contact = 0.0;        ///< J
+  double input_power = 0.0;                                                                   ///< W, prescribed joints
+  double bushing_power = 0.0, contact_power = 0.0, friction_power = 0.0, ground_power = 0.0;  ///< W lost, >= 0
+  double suspension_power = 0.0, tensioner_power = 0.0, assembly_power = 0.0;                 ///< W lost, >= 0
+  double bushing_step_loss = 0.0, ground_step_loss = 0.0;                                     ///< J lost in the step
+  [[nodiscard]] double stored() const { return kinetic + gravity + bushing + suspension + contact; }
+};
+
+/// Knobs that only assembly turns.
+struct AssemblyKnobs {
+  double stiffness_scale = 1.0;  ///< of bushings, discs and sprocket
+  double mass_damping = 0.0;     ///< 1/s, on every body
+  bool rubber_memory = true;     ///< false: springs and a plain damper, the rubber is taken as fully relaxed
+  std::array<double, k_num_sides> tensioner_reference{};  ///< rad, idler arm angle at which the tensioner is free
+};
+
+/// Overwritten by every evaluation; each array says its shape, unit, frame and which stage writes it.
+struct Workspace {
+  TreeWorkspace chassis;  ///< by place_bodies, chassis_accelerations
+
+  Field rotation;             ///< link -> W, row-major (9 x links), by place_bodies
+  Field angular_velocity_W;   ///< rad/s, W (3 x links), by place_bodies
+  Field joint_force_W;        ///< bushing force on link i+1 at the pin [N], W (3 x joints), by bushing_forces
+  Field joint_torque_next_W;  ///< its moment about link i+1's centre [N m], W (3 x joints), by bushing_forces
+  Field joint_torque_own_W;   ///< its moment about link i's centre, to be subtracted [N m], W, by bushing_forces
+  Field
+      deflection;  ///< d_R in frame i [m]; small-rotation vector and hinge angle [rad] (6 x joints), by bushing_forces
+  Field bushing_force;    ///< in frame i, on link i, +x = tension [N] (3 x joints), by bushing_forces
+  Field bushing_torque;   ///< moments dual to the deflection's angles [N m] (3 x joints), by bushing_forces
+  Field joint_stiffness;  ///< dynamic tangent of x, y, z, swing axes rx, rz, hinge ry (6 x joints), by bushing_forces
+  Field joint_damping;    ///< ditto, viscous (6 x joints), by bushing_forces
+
+  Field force_W;    ///< total on each link [N], W (3 x links), by contacts and sum_forces
+  Field torque_W;   ///< about its centre [N m], W (3 x links)
+  Field stability;  ///< sums of k/m and c/m over contacts and joints [1/s^2, 1/s] (2 x links)
+  std::array<Field, k_num_partners> contact_force_W;  ///< by partner [N], W (3 x links)
+
+  /// Maxwell constants for the step's length, by side and axis, by bushing_forces.
+  std::array<std::array<std::vector<MaxwellStep>, k_num_axes>, k_num_sides> branch_step;
+  std::vector<double> prescribed_acceleration;  ///< by drive (tree bodies)
+  EnergyTerms energy;
+  std::array<double, k_num_sides>
+      lateral_guide_offset{};  ///< largest |y| of a link engaged with a wheel [m], by guide_contacts
+  std::array<long, k_num_contact_cases> case_count{};  ///< this evaluation
+  double largest_stable_step = 0.0;                    ///< s, by link_accelerations (pessimistic bound)
+  int bounding_link = -1;                              ///< link array index that set it
+};
+
+[[nodiscard]] Workspace make_workspace(const System& system);
+
+}  // namespace grouser
