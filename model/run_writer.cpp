@@ -2,6 +2,7 @@
 #include <numeric>
 
 #include "model/hdf5_handle.h"
+#include "model/hdf5_superblock.h"
 #include "model/run.h"
 
 namespace grouser {
@@ -180,6 +181,7 @@ void RunWriter::append(std::size_t table, std::span<const double> row) {
 void RunWriter::flush() {
   for (Pending& table : impl_->tables) impl_->write_pending(table);
   if (H5Fflush(impl_->file.id(), H5F_SCOPE_GLOBAL) < 0) fail_hdf5("flush", impl_->path);
+  make_superblock_readable(impl_->path);
 }
 
 void RunWriter::close() {
