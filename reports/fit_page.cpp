@@ -68,7 +68,7 @@ json verdict_facts(const json& checks, std::size_t num_warnings) {
 
 json error_facts(double fitted, double measured) {
   const double error = relative_error(fitted, measured);
-  return {{"value", error}, {"text", (error > 0.0 ? "+" : "") + percent_text(error, 2)}};
+  return {{"value", error}, {"text", fmt::format("{}{}", error > 0.0 ? "+" : "", percent_text(error, 2))}};
 }
 
 json test_facts(const TestFit& test) {
