@@ -60,8 +60,9 @@ SpringSpline read_spring(ObjectReader& r, const AxisUnits& units) {
   const auto wrong_length = [&](const std::string& name, std::size_t found) {
     r.report(r.key_of(name), std::to_string(size) + " values, one for each " + displacement, std::to_string(found));
   };
+  if (spring.displacement.empty() || spring.force.empty() || (slope && slope->empty())) return {};
   if (size < 2) {
-    if (r.has_quantity(displacement)) r.report(r.key_of(displacement), "at least 2 values", std::to_string(size));
+    r.report(r.key_of(displacement), "at least 2 values", std::to_string(size));
     return {};
   }
   if (!is_strictly_increasing(spring.displacement)) {

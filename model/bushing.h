@@ -32,10 +32,10 @@ struct MaxwellBranch {
 
 /// Where the law was identified; nothing is known outside.
 struct ValidRange {
-  double amplitude = 0.0;      ///< m or rad, largest |displacement| seen
-  double frequency_low = 0.0;  ///< Hz
-  double frequency_high = 0.0; ///< Hz
-  double rate = 0.0;           ///< m/s or rad/s, largest rate seen
+  double amplitude = 0.0;       ///< m or rad, largest |displacement| seen
+  double frequency_low = 0.0;   ///< Hz
+  double frequency_high = 0.0;  ///< Hz
+  double rate = 0.0;            ///< m/s or rad/s, largest rate seen
 };
 
 /// Restoring law of one axis; all coefficients >= 0 and the spring monotone: passive by construction.

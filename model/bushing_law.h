@@ -9,15 +9,16 @@
 /// The simulator and the fit both call these functions.
 namespace grouser {
 
-/// Elastic deflection of a stop (Jenkins element) after the displacement grew by dx: exact for any monotone step, passive.
-/// z, yield [m]; the element's force is stiffness * z.
+/// Elastic deflection of a stop (Jenkins element) after the displacement grew by dx: exact for any monotone step,
+/// passive. z, yield [m]; the element's force is stiffness * z.
 template <typename T>
 [[nodiscard]] inline T advance_stop(const T& z, const T& dx, const T& yield) {
   const T trial = z + dx;
   return trial > yield ? yield : (trial < -yield ? -yield : trial);
 }
 
-/// Constants of a Maxwell branch for one step of length h: force' = decay * force + gain * dx, exact for a constant rate.
+/// Constants of a Maxwell branch for one step of length h: force' = decay * force + gain * dx, exact for a constant
+/// rate.
 struct MaxwellStep {
   double decay = 1.0;  ///< exp(-h / tau)
   double gain = 0.0;   ///< stiffness * (1 - exp(-h/tau)) * tau / h [N/m]; -> stiffness for h -> 0

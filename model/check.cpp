@@ -67,7 +67,8 @@ std::string format_of(const std::filesystem::path& file) {
   if (document.is_null()) findings.throw_if_any();
   const bool has = document.is_object() && document.contains("format") && document["format"].is_string();
   if (has) return document["format"].get<std::string>();
-  throw InputError(InputFinding{file.string(), "", "an object with a \"format\"", shown(document), ""});
+  throw InputError(InputFinding{file.string(), "", "the key format, as in \"format\": \"grouser.vehicle/1\"",
+                                document.is_object() ? "no such key" : shown(document), ""});
 }
 
 }  // namespace

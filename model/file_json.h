@@ -28,8 +28,11 @@ inline constexpr const char* k_vehicle_format = "grouser.vehicle/1";
 [[nodiscard]] Bushing read_bushing(ObjectReader& reader);
 
 /// Puts in place of `"mirror": "left"` what it stands for: the other side with y reversed, and the given keys on top.
-/// Does nothing to a document that is not a vehicle; what is wrong is left for the reader to find.
-void expand_mirrored_side(Json& vehicle);
+/// Returns the side that was filled in ("right"), empty when there is none; what is wrong is left for the reader to
+/// find.
+std::string expand_mirrored_side(Json& vehicle);
+/// A fault of the side that was mirrored stands once in the file, so it is reported once.
+void forget_mirrored_findings(const std::string& mirrored_side, Findings& findings);
 [[nodiscard]] Vehicle read_vehicle(ObjectReader& reader);
 
 }  // namespace grouser

@@ -27,7 +27,7 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
 
 std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates) {
   std::string nearest;
-  std::size_t smallest = std::max<std::size_t>(word.size() / 3, 1) + 1;
+  std::size_t smallest = (word.size() + 2) / 3 + 1;
   for (const std::string& candidate : candidates) {
     const std::size_t distance = edit_distance(word, candidate);
     if (distance < smallest) {

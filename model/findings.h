@@ -19,6 +19,11 @@ class Findings {
   [[nodiscard]] const std::string& file() const { return file_; }
   [[nodiscard]] bool empty() const { return list_.empty(); }
   [[nodiscard]] std::size_t size() const { return list_.size(); }
+  template <typename Predicate>
+  void remove_if(Predicate unwanted) {
+    std::erase_if(list_, unwanted);
+  }
+  [[nodiscard]] const std::vector<InputFinding>& list() const { return list_; }
   void throw_if_any() const {
     if (!list_.empty()) throw InputError(list_);
   }
@@ -28,8 +33,8 @@ class Findings {
   std::vector<InputFinding> list_;
 };
 
-/// The candidate that `word` was probably meant to be (edit distance up to a third of its length); empty when none is
-/// near.
+/// The candidate that `word` was probably meant to be (edit distance up to a third of its length, rounded up); empty
+/// when none is near.
 [[nodiscard]] std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates);
 
 /// "did you mean X?", or nothing for an empty X.

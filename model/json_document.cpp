@@ -54,12 +54,10 @@ class Builder : public nlohmann::json_sax<Json> {
 
   /// nlohmann's own sentence without its error number and position.
   static std::string reason(const std::string& what) {
-    const std::size_t dash = what.find(" - ");
-    std::string text = dash == std::string::npos ? what : what.substr(dash + 3);
-    const std::size_t tail = text.find("; last read");
-    return tail == std::string::npos
-               ? text
-               : text.substr(0, tail) + text.substr(std::min(text.find("';", tail) + 1, text.size()));
+    const std::size_t dash = what.find(" - "), tail = what.find("; last read"), expected = what.rfind("; expected");
+    const std::size_t begin = dash == std::string::npos ? 0 : dash + 3;
+    const std::string after = expected == std::string::npos ? "" : what.substr(expected);
+    return what.substr(begin, std::min(tail, expected) - begin) + after;
   }
 
   Json* place(Json value) {

@@ -155,7 +155,9 @@ std::optional<std::vector<double>> ObjectReader::optional_quantities(const std::
                                                                      const Dimension& dimension) {
   const auto found = find_quantity(name, dimension, false);
   if (!found) return std::nullopt;
-  return numbers_at((*object_)[found->key], pointer_to(pointer_, found->key), name_of(dimension), found->unit);
+  const Json& value = (*object_)[found->key];
+  if (value.is_array() && value.empty()) report(found->key, "at least 1 value", "none");
+  return numbers_at(value, pointer_to(pointer_, found->key), name_of(dimension), found->unit);
 }
 
 std::vector<double> ObjectReader::quantities(const std::string& name, const Dimension& dimension) {

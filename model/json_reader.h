@@ -38,6 +38,7 @@ class ObjectReader {
   double quantity_or(const std::string& name, const Dimension& dimension, double fallback, Range range = Range::any);
   std::optional<double> optional_quantity(const std::string& name, const Dimension& dimension,
                                           Range range = Range::any);
+  /// At least one value; empty only after a finding.
   std::vector<double> quantities(const std::string& name, const Dimension& dimension);
   std::optional<std::vector<double>> optional_quantities(const std::string& name, const Dimension& dimension);
   Vector3d vector(const std::string& name, const Dimension& dimension, Range range = Range::any);

@@ -15,8 +15,8 @@ struct Provenance {
     std::string sha256;  ///< of its bytes
   };
   std::string program = "grouser";
-  std::string version;                         ///< of this program
-  std::string command;                         ///< the command that repeats it, options included
+  std::string version;  ///< of this program
+  std::string command;  ///< the command that repeats it, options included
   std::vector<Input> inputs;
   std::map<std::string, std::string> options;  ///< --set and the like
   std::vector<std::string> synthetic;          ///< notes on generated data ("rig data are synthetic, seed 20261122")

@@ -56,7 +56,8 @@ void read_sensitivity(ObjectReader& r, Sensor& sensor, const Dimension& straight
   const bool turns = key && key->unit.dimension == turning / sensor.reading.dimension;
   sensor.quantity = turns ? turning : straight;
   sensor.calibration.sensitivity = r.quantity("sensitivity", sensor.quantity / sensor.reading.dimension);
-  if (sensor.calibration.sensitivity == 0.0 && r.has_quantity("sensitivity")) {
+  const bool readable = key && key->unit.dimension == sensor.quantity / sensor.reading.dimension;
+  if (readable && sensor.calibration.sensitivity == 0.0) {
     r.report(r.key_of("sensitivity"), "a sensitivity other than 0", "0");
   }
 }
@@ -69,7 +70,8 @@ void read_calibration_record(ObjectReader& r, const std::vector<std::string>& na
     if (r.has_quantity(candidate)) name = candidate;
   }
   c.record_quantity = r.quantities(name, sensor.quantity);
-  if (c.record_quantity.size() != c.record_reading.size() && r.has_quantity(name) && r.has_quantity("reading")) {
+  const bool readable = !c.record_quantity.empty() && !c.record_reading.empty();
+  if (readable && c.record_quantity.size() != c.record_reading.size()) {
     r.report(r.key_of(name), std::to_string(c.record_reading.size()) + " values, one for each reading",
              std::to_string(c.record_quantity.size()));
   }

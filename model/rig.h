@@ -12,9 +12,9 @@ enum class TestKind { static_ramp, cyclic };  // "static" | "cyclic" in files
 
 /// LVDT or load cell: quantity = sensitivity * (reading - offset) + sum_k linearity[k] * (reading - offset)^(k+2).
 struct SensorCalibration {
-  std::string column;        ///< CSV column with the raw reading, unit suffix included ("lvdt_a_V")
-  double sensitivity = 1.0;  ///< SI quantity per SI reading (m/V, N/V, N m/V, rad/V)
-  double offset = 0.0;       ///< reading at zero quantity (V)
+  std::string column;             ///< CSV column with the raw reading, unit suffix included ("lvdt_a_V")
+  double sensitivity = 1.0;       ///< SI quantity per SI reading (m/V, N/V, N m/V, rad/V)
+  double offset = 0.0;            ///< reading at zero quantity (V)
   std::vector<double> linearity;  ///< coefficients of reading^2, ^3, ... in SI
   /// The record behind it, when given: readings against reference values; the reader reports the largest residual.
   std::vector<double> record_reading;
@@ -29,31 +29,31 @@ struct RigTest {
   std::string name;
   Axis axis = Axis::x;
   TestKind kind = TestKind::cyclic;
-  std::string file;                         ///< relative to rig.json
-  std::optional<double> rate;               ///< m/s or rad/s (static)
-  std::optional<double> frequency;          ///< Hz (cyclic, as stated)
-  std::optional<double> amplitude;          ///< m or rad (cyclic, as stated)
-  std::optional<double> preset;             ///< m or rad: mean the loop runs about (14 degree preset of the torsion loops)
-  std::optional<int> discard_cycles;        ///< asked for by the file; absent = decided from the data
-  std::vector<double> time;                 ///< s; built from rate or frequency when the file has none (see time_measured)
+  std::string file;                   ///< relative to rig.json
+  std::optional<double> rate;         ///< m/s or rad/s (static)
+  std::optional<double> frequency;    ///< Hz (cyclic, as stated)
+  std::optional<double> amplitude;    ///< m or rad (cyclic, as stated)
+  std::optional<double> preset;       ///< m or rad: mean the loop runs about (14 degree preset of the torsion loops)
+  std::optional<int> discard_cycles;  ///< asked for by the file; absent = decided from the data
+  std::vector<double> time;           ///< s; built from rate or frequency when the file has none (see time_measured)
   bool time_measured = false;
-  std::vector<double> displacement;         ///< m or rad; mean of the LVDTs when there are two
-  std::vector<double> force;                ///< N or N m
-  std::vector<double> tilt;                 ///< half difference of two LVDTs [m]; empty with one
+  std::vector<double> displacement;  ///< m or rad; mean of the LVDTs when there are two
+  std::vector<double> force;         ///< N or N m
+  std::vector<double> tilt;          ///< half difference of two LVDTs [m]; empty with one
 };
 
 /// A measurement campaign on one specimen (rig.json + CSV files).
 struct RigRecord {
-  std::filesystem::path path;    ///< of rig.json
+  std::filesystem::path path;  ///< of rig.json
   std::string specimen;
-  bool synthetic = false;        ///< generated data; `synthetic_note` says seed and generator
+  bool synthetic = false;  ///< generated data; `synthetic_note` says seed and generator
   std::string synthetic_note;
-  int bushings_in_series = 1;    ///< displacement measured across this many bushings
-  double rig_compliance = 0.0;   ///< m/N, in series with the specimen
+  int bushings_in_series = 1;                           ///< displacement measured across this many bushings
+  double rig_compliance = 0.0;                          ///< m/N, in series with the specimen
   std::vector<SensorCalibration> displacement_sensors;  ///< empty = columns found by name
   std::optional<SensorCalibration> force_sensor;
   std::vector<RigTest> tests;
-  Provenance provenance;         ///< inputs = rig.json and every CSV
+  Provenance provenance;  ///< inputs = rig.json and every CSV
 };
 
 /// Reads `grouser.rig/1` and every CSV it names; throws InputError with all findings of all files.

@@ -15,16 +15,16 @@ namespace grouser {
 
 /// One dataset whose first dimension is its table's row.
 struct Channel {
-  std::string path;                ///< "/tracks/left/link_position"
-  std::string unit;                ///< "m"
-  std::vector<std::size_t> shape;  ///< of one row: {} scalar, {N, 3} ...
-  bool single_precision = false;   ///< stored as 32-bit
+  std::string path;                        ///< "/tracks/left/link_position"
+  std::string unit;                        ///< "m"
+  std::vector<std::size_t> shape;          ///< of one row: {} scalar, {N, 3} ...
+  bool single_precision = false;           ///< stored as 32-bit
   [[nodiscard]] std::size_t size() const;  ///< values a row
 };
 
 /// Datasets that share rows. A row is the values of all channels one after the other, in this order.
 struct ChannelTable {
-  std::string name;                ///< "samples", "steps", "probes"
+  std::string name;  ///< "samples", "steps", "probes"
   std::vector<Channel> channels;
   [[nodiscard]] std::size_t row_size() const;
 };
@@ -54,7 +54,9 @@ struct Array {
   std::string unit;
   [[nodiscard]] std::size_t rows() const { return shape.empty() ? 0 : shape[0]; }
   [[nodiscard]] std::size_t row_size() const { return rows() == 0 ? 0 : values.size() / rows(); }
-  [[nodiscard]] std::span<const double> row(std::size_t i) const { return {values.data() + i * row_size(), row_size()}; }
+  [[nodiscard]] std::span<const double> row(std::size_t i) const {
+    return {values.data() + i * row_size(), row_size()};
+  }
 };
 
 /// Reads run.h5, one dataset at a time.
@@ -81,30 +83,37 @@ enum class RunStatus { completed, stopped, failed };
 
 /// One named scalar of run.json's `results`, with what it is held against when it is a check.
 struct RunResult {
-  std::string name;          ///< "cruise_speed_m_per_s"
+  std::string name;  ///< "cruise_speed_m_per_s"
   double value = 0.0;
   std::string unit;
-  std::string meaning;       ///< one line
+  std::string meaning;  ///< one line
 };
 struct RunCheck {
-  std::string name;          ///< "Mean cruise speed"
+  std::string name;  ///< "Mean cruise speed"
   double value = 0.0;
   std::string unit;
-  std::string limit;         ///< "within 3 % of 13.89 m/s"
+  std::string limit;  ///< "within 3 % of 13.89 m/s"
   bool pass = false;
 };
 
 struct RunSummary {
-  std::string name;                    ///< scenario name
+  std::string name;  ///< scenario name
   std::string vehicle_name, bushing_name;
   RunStatus status = RunStatus::completed;
   std::string message;
-  double simulated_time = 0.0;         ///< s
-  double wall_time = 0.0;              ///< s, integration and output (assembly apart)
-  double assembly_wall_time = 0.0;     ///< s
-  struct { int bodies = 0, revolute_joints = 0, bushings = 0, degrees_of_freedom = 0, prescribed = 0; } counts;
-  struct { long accepted = 0, rejected = 0, force_evaluations = 0; double min = 0.0, mean = 0.0, max = 0.0; } steps;
-  struct { double input = 0.0, dissipated = 0.0, residual = 0.0, residual_fraction = 0.0; } energy;
+  double simulated_time = 0.0;      ///< s
+  double wall_time = 0.0;           ///< s, integration and output (assembly apart)
+  double assembly_wall_time = 0.0;  ///< s
+  struct {
+    int bodies = 0, revolute_joints = 0, bushings = 0, degrees_of_freedom = 0, prescribed = 0;
+  } counts;
+  struct {
+    long accepted = 0, rejected = 0, force_evaluations = 0;
+    double min = 0.0, mean = 0.0, max = 0.0;
+  } steps;
+  struct {
+    double input = 0.0, dissipated = 0.0, residual = 0.0, residual_fraction = 0.0;
+  } energy;
   std::vector<RunResult> results;
   std::vector<RunCheck> checks;
   Provenance provenance;
@@ -114,7 +123,8 @@ struct RunSummary {
 [[nodiscard]] RunSummary read_run_summary(const std::filesystem::path& file);
 void write_run_summary(const RunSummary& summary, const std::filesystem::path& file);
 
-/// A run folder opened for pictures and reports: summary, channels, and the vehicle that was driven (a copy kept in the folder).
+/// A run folder opened for pictures and reports: summary, channels, and the vehicle that was driven (a copy kept in the
+/// folder).
 struct RunFolder {
   std::filesystem::path path;
   RunSummary summary;
@@ -122,7 +132,8 @@ struct RunFolder {
   Scenario scenario;
   RunReader channels;
 };
-/// Throws InputError / FileError. A run folder holds run.json, run.h5 and inputs/ (scenario.json, vehicle.json, bushing.json).
+/// Throws InputError / FileError. A run folder holds run.json, run.h5 and inputs/ (scenario.json, vehicle.json,
+/// bushing.json).
 [[nodiscard]] RunFolder open_run(const std::filesystem::path& folder);
 
 }  // namespace grouser

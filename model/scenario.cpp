@@ -16,8 +16,7 @@ DriveTable read_drive(ObjectReader& r) {
   DriveTable drive;
   drive.time = r.quantities("time", d::time);
   drive.speed = r.quantities("speed", d::angular_speed);
-  if (!r.has_quantity("time") || !r.has_quantity("speed")) return drive;
-  if (drive.time.empty()) r.report(r.key_of("time"), "at least 1 value", "0");
+  if (drive.time.empty() || drive.speed.empty()) return drive;
   if (drive.time.size() != drive.speed.size()) {
     r.report(r.key_of("speed"), std::to_string(drive.time.size()) + " values, one for each time",
              std::to_string(drive.speed.size()));
@@ -119,9 +118,10 @@ class ScenarioReader {
                         const ObjectReader::Visit& visit) {
     Json document = parse_json(bytes, findings);
     if (document.is_null() && !findings.empty()) return {};
-    expand_mirrored_side(document);
+    const std::string mirrored = expand_mirrored_side(document);
     for (const auto& [path, value] : overrides_for(prefix)) apply_override(document, path, value, findings);
     read_document(document, format, findings, visit);
+    forget_mirrored_findings(mirrored, findings);
     return json_text(document);
   }
 

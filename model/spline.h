@@ -19,8 +19,8 @@ struct SpringSpline {
 /// Value, slope and stored energy of a spring at one displacement.
 template <typename T>
 struct SpringValue {
-  T force;   ///< N or N m
-  T slope;   ///< N/m or N m/rad
+  T force;  ///< N or N m
+  T slope;  ///< N/m or N m/rad
 };
 
 /// Monotone slopes for Hermite interpolation (Fritsch & Carlson 1980, SIAM J. Numer. Anal. 17:238).

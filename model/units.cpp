@@ -92,6 +92,10 @@ constexpr std::array k_names{
     Named{d::damping, "damping", "N_s_per_m"},
     Named{d::angular_damping, "angular damping", "N_m_s_per_rad"},
     Named{d::compliance, "compliance", "m_per_N"},
+    Named{d::length / d::voltage, "length per volt", "mm_per_V"},
+    Named{d::angle / d::voltage, "angle per volt", "deg_per_V"},
+    Named{d::force / d::voltage, "force per volt", "kN_per_V"},
+    Named{d::torque / d::voltage, "torque per volt", "N_m_per_V"},
     Named{d::area_per_pressure, "area per pressure", "m2_per_Pa"},
 };
 

@@ -252,8 +252,8 @@ void reverse_y(Json& value) {
 
 }  // namespace
 
-void expand_mirrored_side(Json& vehicle) {
-  if (!vehicle.is_object()) return;
+std::string expand_mirrored_side(Json& vehicle) {
+  if (!vehicle.is_object()) return {};
   for (const auto& [side, other] : {std::pair("left", "right"), std::pair("right", "left")}) {
     const auto given = vehicle.find(side), source = vehicle.find(other);
     if (given == vehicle.end() || source == vehicle.end() || !given->is_object() || !source->is_object()) continue;
@@ -263,7 +263,22 @@ void expand_mirrored_side(Json& vehicle) {
     reverse_y(mirrored);
     mirrored.merge_patch(on_top);
     *given = mirrored;
+    return side;
   }
+  return {};
+}
+
+void forget_mirrored_findings(const std::string& mirrored_side, Findings& findings) {
+  if (mirrored_side.empty()) return;
+  const std::string given = mirrored_side == "right" ? "/left" : "/right", filled = "/" + mirrored_side;
+  const std::vector<InputFinding> all = findings.list();
+  findings.remove_if([&](const InputFinding& finding) {
+    if (finding.place.rfind(filled, 0) != 0) return false;
+    const std::string twin = given + finding.place.substr(filled.size());
+    return std::any_of(all.begin(), all.end(), [&](const InputFinding& other) {
+      return other.place == twin && other.expected == finding.expected && other.found == finding.found;
+    });
+  });
 }
 
 Vehicle read_vehicle(ObjectReader& reader) {
@@ -282,10 +297,11 @@ Vehicle read_vehicle(const std::filesystem::path& file) {
   Findings findings(file.string());
   const std::string bytes = read_whole(file);
   Json document = parse_json(bytes, findings);
-  expand_mirrored_side(document);
+  const std::string mirrored = expand_mirrored_side(document);
   Vehicle vehicle;
   if (findings.empty() || !document.is_null()) {
     read_document(document, k_vehicle_format, findings, [&](ObjectReader& reader) { vehicle = read_vehicle(reader); });
+    forget_mirrored_findings(mirrored, findings);
   }
   findings.throw_if_any();
   vehicle.provenance.inputs.push_back(provenance_input("vehicle", file.string(), bytes));

@@ -8,25 +8,25 @@
 #include "model/geometry.h"
 #include "model/provenance.h"
 
-/// The vehicle as data (vehicle.json). All positions are in the vehicle frame V at design: x forward, y left, z up, origin at
-/// mid-wheelbase, ground level, centre plane. Every rotation axis is V's y axis. SI and radians.
+/// The vehicle as data (vehicle.json). All positions are in the vehicle frame V at design: x forward, y left, z up,
+/// origin at mid-wheelbase, ground level, centre plane. Every rotation axis is V's y axis. SI and radians.
 namespace grouser {
 
 /// Mass, centre of mass and principal inertia about it, axes parallel to V at design.
 struct MassProperties {
-  double mass = 0.0;                                ///< kg, > 0
-  Vector3d center_of_mass = Vector3d::Zero();       ///< m; relative to the body's own origin (chassis: in V)
-  Vector3d inertia = Vector3d::Zero();              ///< kg m^2 (xx, yy, zz)
+  double mass = 0.0;                           ///< kg, > 0
+  Vector3d center_of_mass = Vector3d::Zero();  ///< m; relative to the body's own origin (chassis: in V)
+  Vector3d inertia = Vector3d::Zero();         ///< kg m^2 (xx, yy, zz)
 };
 
 /// Normal law f = k delta (1 + a delta_dot), continuous at touch-down; `a` follows from the restitution by D 5.1.
 struct ContactLaw {
-  double stiffness = 0.0;             ///< N/m (point, per disc or ring) or N/m^2 (disc foundation)
-  double restitution = 0.835;         ///< at `restitution_speed`, 0..1
-  double restitution_speed = 1.0;     ///< m/s
-  double friction = 0.0;              ///< coefficient, >= 0
-  double friction_speed = 0.1;        ///< m/s, speed at which sliding friction is developed (0.707 of mu N)
-  double friction_damping_limit = 2e4;///< N s/m, largest slope of the friction law (keeps the explicit step)
+  double stiffness = 0.0;               ///< N/m (point, per disc or ring) or N/m^2 (disc foundation)
+  double restitution = 0.835;           ///< at `restitution_speed`, 0..1
+  double restitution_speed = 1.0;       ///< m/s
+  double friction = 0.0;                ///< coefficient, >= 0
+  double friction_speed = 0.1;          ///< m/s, speed at which sliding friction is developed (0.707 of mu N)
+  double friction_damping_limit = 2e4;  ///< N s/m, largest slope of the friction law (keeps the explicit step)
 };
 
 /// Two rigidly joined discs (road wheel, idler, support roller), turning about y.
@@ -43,19 +43,19 @@ enum class SuspensionKind { torsion_bar, hydropneumatic };
 
 /// M = stiffness (free_angle - angle) - damping * rate, angle below horizontal.
 struct TorsionBar {
-  double stiffness = 0.0;    ///< N m/rad
-  double free_angle = 0.0;   ///< rad below horizontal at which the bar is unloaded
-  double damping = 0.0;      ///< N m s/rad
+  double stiffness = 0.0;   ///< N m/rad
+  double free_angle = 0.0;  ///< rad below horizontal at which the bar is unloaded
+  double damping = 0.0;     ///< N m s/rad
 };
 
 /// Gas spring driven by the arm through a slider-crank, orifice damping with blow-off (D 4.2, 4.3).
 struct Hydropneumatic {
-  double piston_area = 0.0;        ///< m^2
-  double crank_radius = 0.0;       ///< m
-  double rod_length = 0.0;         ///< m
-  double crank_angle = 0.0;        ///< rad, crank against the cylinder axis at the design arm angle (90 deg: full leverage)
-  double gas_volume = 0.0;         ///< m^3 at the design arm angle
-  double gas_pressure = 0.0;       ///< Pa absolute at the design arm angle
+  double piston_area = 0.0;   ///< m^2
+  double crank_radius = 0.0;  ///< m
+  double rod_length = 0.0;    ///< m
+  double crank_angle = 0.0;   ///< rad, crank against the cylinder axis at the design arm angle (90 deg: full leverage)
+  double gas_volume = 0.0;    ///< m^3 at the design arm angle
+  double gas_pressure = 0.0;  ///< Pa absolute at the design arm angle
   double polytropic_exponent = 1.3;
   double orifice_area = 0.0;       ///< m^2, discharge coefficient included
   double oil_density = 870.0;      ///< kg/m^3
@@ -66,15 +66,15 @@ struct Hydropneumatic {
 
 /// One suspension station: trailing (or leading) arm with its wheel.
 struct Station {
-  Vector3d pivot = Vector3d::Zero();   ///< m, arm pivot in V; y = track centre
-  MassProperties arm;                  ///< centre of mass relative to the pivot, at design
-  DiscPair wheel;                      ///< its centre is the arm's end at design
+  Vector3d pivot = Vector3d::Zero();  ///< m, arm pivot in V; y = track centre
+  MassProperties arm;                 ///< centre of mass relative to the pivot, at design
+  DiscPair wheel;                     ///< its centre is the arm's end at design
   SuspensionKind kind = SuspensionKind::torsion_bar;
   TorsionBar torsion_bar;
   Hydropneumatic hydropneumatic;
-  double bump_angle = 0.55;            ///< rad of arm rotation up from design where the bump stop begins
-  double rebound_angle = 0.35;         ///< rad down from design
-  double stop_stiffness = 1e6;         ///< N m/rad
+  double bump_angle = 0.55;     ///< rad of arm rotation up from design where the bump stop begins
+  double rebound_angle = 0.35;  ///< rad down from design
+  double stop_stiffness = 1e6;  ///< N m/rad
 };
 
 /// Idler on its arm with a tensioner acting between chassis and idler centre.
@@ -82,31 +82,33 @@ struct Idler {
   Vector3d pivot = Vector3d::Zero();
   MassProperties arm;
   DiscPair wheel;
-  double tensioner_stiffness = 0.0;    ///< N/m at the idler centre, tangential to the arm
-  double tensioner_damping = 0.0;      ///< N s/m
+  double tensioner_stiffness = 0.0;  ///< N/m at the idler centre, tangential to the arm
+  double tensioner_damping = 0.0;    ///< N s/m
 };
 
-/// Toothed wheel: two rings of teeth; per tooth a top, two flanks (root fillet included) and two sides; base circle inside.
+/// Toothed wheel: two rings of teeth; per tooth a top, two flanks (root fillet included) and two sides; base circle
+/// inside.
 struct Sprocket {
   MassProperties body;
   Vector3d center = Vector3d::Zero();
   int teeth = 10;
-  double tip_radius = 0.0;         ///< m
-  double base_radius = 0.0;        ///< m
-  double flank_angle = 0.0;        ///< rad, against the gap's radial line
-  double seat_clearance = 0.0;     ///< m, seat fillet radius less pin radius
-  double ring_offset = 0.0;        ///< m, lateral position of each ring from the track centre
-  double side_clearance = 0.0;     ///< m, lateral play before a tooth side touches
-  double side_stiffness = 2e7;     ///< N/m
-  ContactLaw contact;              ///< pins on teeth; stiffness per joint (both rings)
+  double tip_radius = 0.0;      ///< m
+  double base_radius = 0.0;     ///< m
+  double flank_angle = 0.0;     ///< rad, against the gap's radial line
+  double seat_clearance = 0.0;  ///< m, seat fillet radius less pin radius
+  double ring_offset = 0.0;     ///< m, lateral position of each ring from the track centre
+  double side_clearance = 0.0;  ///< m, lateral play before a tooth side touches
+  double side_stiffness = 2e7;  ///< N/m
+  ContactLaw contact;           ///< pins on teeth; stiffness per joint (both rings)
 };
 
 enum class Connection { single_pin, double_pin };
 
-/// A track of identical links; all dimensions in the link frame L (origin at the centre of mass, x towards the next joint).
+/// A track of identical links; all dimensions in the link frame L (origin at the centre of mass, x towards the next
+/// joint).
 struct Track {
   int num_links = 0;
-  double pitch = 0.0;                   ///< m
+  double pitch = 0.0;  ///< m
   MassProperties link;
   Connection connection = Connection::single_pin;
   double connector_length = 0.0;        ///< m, double_pin only
@@ -115,17 +117,17 @@ struct Track {
   double ground_depth = 0.0;            ///< m, pin axis to ground face
   double wheel_path_height = 0.0;       ///< m, pin axis to the wheels' path
   std::vector<Vector3d> ground_points;  ///< m, in L; six: two pads x three
-  ContactLaw ground_contact;            ///< stiffness per point; friction with the ground comes from the scenario's terrain
+  ContactLaw ground_contact;  ///< stiffness per point; friction with the ground comes from the scenario's terrain
   double ground_bristle_stiffness = 2.5e6;  ///< N/m per point, tangential
   double ground_bristle_damping = 1e3;      ///< N s/m per point
-  double guide_height = 0.0;            ///< m, centre guide above the wheel path
-  double guide_base_width = 0.0;        ///< m, full, at the wheel path
-  double guide_top_width = 0.0;         ///< m
-  double guide_stiffness = 2e7;         ///< N/m
-  double guide_restitution = 0.835;     ///< at 1 m/s
-  double pre_tension = 0.0;             ///< N, mean of the upper run, THIS track, at rest
-  double pre_torsion = 0.0;             ///< rad per joint, > 0 = unloaded when wrapped inward
-  std::string bushing;                  ///< optional path overriding the scenario's bushing for this track
+  double guide_height = 0.0;                ///< m, centre guide above the wheel path
+  double guide_base_width = 0.0;            ///< m, full, at the wheel path
+  double guide_top_width = 0.0;             ///< m
+  double guide_stiffness = 2e7;             ///< N/m
+  double guide_restitution = 0.835;         ///< at 1 m/s
+  double pre_tension = 0.0;                 ///< N, mean of the upper run, THIS track, at rest
+  double pre_torsion = 0.0;                 ///< rad per joint, > 0 = unloaded when wrapped inward
+  std::string bushing;                      ///< optional path overriding the scenario's bushing for this track
 };
 
 struct RunningGear {
@@ -140,10 +142,10 @@ struct RunningGear {
 /// Picture only; never physics.
 struct VisualPart {
   std::string name;
-  std::string color;               ///< "#6b7f4a"
-  std::vector<Vector3d> outline;   ///< m, closed polygon in V's x-z plane (y ignored)
-  double half_width = 0.0;         ///< m, extruded over y in [-half_width, half_width]
-  double taper = 0.0;              ///< m, taken off the half width at the polygon's top
+  std::string color;              ///< "#6b7f4a"
+  std::vector<Vector3d> outline;  ///< m, closed polygon in V's x-z plane (y ignored)
+  double half_width = 0.0;        ///< m, extruded over y in [-half_width, half_width]
+  double taper = 0.0;             ///< m, taken off the half width at the polygon's top
 };
 struct VisualTube {
   std::string name, color;
@@ -163,7 +165,8 @@ struct Vehicle {
   [[nodiscard]] RunningGear& side(Side s) { return sides[static_cast<std::size_t>(index_of(s))]; }
 };
 
-/// Reads `grouser.vehicle/1`; throws InputError with every finding (units, keys, positivity, triangle inequality of inertia).
+/// Reads `grouser.vehicle/1`; throws InputError with every finding (units, keys, positivity, triangle inequality of
+/// inertia).
 [[nodiscard]] Vehicle read_vehicle(const std::filesystem::path& file);
 
 }  // namespace grouser
