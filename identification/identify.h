@@ -15,8 +15,8 @@ struct IdentifyResult {
   FitRecord fit;
 };
 
-/// Fits one axis law per tested axis to all its tests together (DESIGN 5). Axes without a test get no law and a warning.
-/// Throws NumericalError when a fit does not reach optimality, InputError when the data cannot be used at all.
+/// Fits one axis law per tested axis to all its tests together (DESIGN 5). Axes without a test get no law and a
+/// warning. Throws NumericalError when a fit does not reach optimality, InputError when the data cannot be used at all.
 [[nodiscard]] IdentifyResult identify(const RigRecord& rig, const IdentifyOptions& options = {},
                                       const Progress& progress = {});
 

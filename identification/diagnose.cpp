@@ -1,0 +1,210 @@
+#include "identification/diagnose.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace grouser {
+namespace {
+
+constexpr int k_clipped_run = 4;            // equal samples at the extreme; noise and a sine's crest give 2 or 3
+constexpr double k_frequency_error = 0.01;  // stated against measured (I 4)
+constexpr double k_drift = 0.03;            // of the range, over the used cycles
+constexpr double k_settling = 0.015;        // energy change of the last used cycle
+constexpr double k_least_loss = 0.01;       // loss factor below which the loop's sense of turning is no evidence
+constexpr double k_tilt = 0.1;              // half difference of the LVDTs over the displacement
+constexpr int k_least_samples = 50;         // per cycle; 39 lose .6-1 % of the area to the chord (I 4)
+
+std::pair<std::size_t, std::size_t> longest_plateau(const std::vector<double>& signal, double level) {
+  std::size_t best = 0, best_at = 0, run = 0;
+  for (std::size_t i = 0; i < signal.size(); ++i) {
+    run = signal[i] == level ? run + 1 : 0;
+    if (run > best) best = run, best_at = i + 1 - run;
+  }
+  return {best_at, best};
+}
+
+// A channel that stands still at its extreme while the other one moves has hit its limit.
+void find_clipping(const PreparedTest& test, const std::vector<double>& channel, const std::vector<double>& other,
+                   const char* name, std::vector<FitWarning>& warnings) {
+  const auto [low, high] = std::minmax_element(channel.begin(), channel.end());
+  const double moved_enough = 0.002 * central_range(other);
+  for (const double level : {*low, *high}) {
+    const auto [at, length] = longest_plateau(channel, level);
+    if (length < k_clipped_run) continue;
+    const auto first = other.begin() + static_cast<std::ptrdiff_t>(at);
+    const auto [a, b] = std::minmax_element(first, first + static_cast<std::ptrdiff_t>(length));
+    if (*b - *a < moved_enough) continue;
+    warnings.push_back({"clipped_sensor", test.source->name,
+                        fmt::format("{} stands at {:.6g} for {} samples from row {} while the other channel moves",
+                                    name, level, length, at + 1)});
+  }
+}
+
+// Loop area and regression slope tell the channels apart by two signs (I 4); elastic enough to turn needs a loss
+// factor.
+void find_mixed_channels(PreparedTest& test, std::vector<FitWarning>& warnings) {
+  double energy = 0.0, sxf = 0.0, sxx = 0.0, loss = 0.0;
+  for (const Cycle& cycle : test.cycles) {
+    energy += cycle.measured.dissipated_energy;
+    loss += std::abs(cycle.measured.loss_factor);
+    double mean_f = 0.0;
+    const auto n = static_cast<double>(cycle.span.end - cycle.span.begin);
+    for (std::size_t i = cycle.span.begin; i < cycle.span.end; ++i) mean_f += test.force[i] / n;
+    for (std::size_t i = cycle.span.begin; i < cycle.span.end; ++i) {
+      const double dx = test.displacement[i] - cycle.centre;
+      sxf += dx * (test.force[i] - mean_f);
+      sxx += dx * dx;
+    }
+  }
+  const bool open = test.cycles.front().open;  // the sign of its slope is all that it can tell
+  if (!open && loss < k_least_loss * static_cast<double>(test.cycles.size())) return;
+  const bool turns_right = open ? sxf > 0.0 : energy > 0.0, rises = sxf > 0.0;
+  if (turns_right && rises) return;
+  const std::string evidence =
+      fmt::format("loop area {:.4g} J, slope {:.4g} N/m", energy / static_cast<double>(test.cycles.size()), sxf / sxx);
+  std::string code = "reversed_polarity", reading = "one channel has its sign reversed";
+  if (!turns_right && rises) {
+    code = "swapped_columns";
+    reading = "force and displacement are swapped";
+    if (test.sine_residual_displacement > test.sine_residual_force) {
+      reading += fmt::format(" (the force column is the purer sine: residual {:.2g} against {:.2g})",
+                             test.sine_residual_force, test.sine_residual_displacement);
+    }
+  } else if (turns_right) {
+    code = "swapped_columns";
+    reading = "force and displacement are swapped and one has its sign reversed";
+  }
+  test.unusable = reading;
+  warnings.push_back({code, test.source->name, evidence + ": " + reading + "; the test is left out of the fit"});
+  for (Cycle& cycle : test.cycles) {
+    cycle.used = false;
+    cycle.note = reading;
+  }
+}
+
+void find_wrong_frequency(const PreparedTest& test, std::vector<FitWarning>& warnings) {
+  const auto& stated = test.source->frequency;
+  if (!stated || !test.source->time_measured) return;
+  const double error = test.frequency / *stated - 1.0;
+  if (std::abs(error) <= k_frequency_error) return;
+  warnings.push_back({"wrong_frequency", test.source->name,
+                      fmt::format("stated {:.4g} Hz, measured {:.4g} Hz ({:+.1f} %); the measured value is used",
+                                  *stated, test.frequency, 100.0 * error)});
+}
+
+// Change of the cycle means over the used cycles of a block, by regression.
+void find_drift(const PreparedTest& test, const std::vector<double>& channel, const char* name,
+                std::vector<FitWarning>& warnings) {
+  std::map<int, std::vector<double>> means;
+  for (const Cycle& cycle : test.cycles) {
+    if (!cycle.used) continue;
+    double sum = 0.0;
+    for (std::size_t i = cycle.span.begin; i < cycle.span.end; ++i) sum += channel[i];
+    means[cycle.block].push_back(sum / static_cast<double>(cycle.span.end - cycle.span.begin));
+  }
+  for (const auto& [block, values] : means) {
+    const auto n = static_cast<double>(values.size());
+    if (n < 3.0) continue;
+    double sxy = 0.0, sxx = 0.0;
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const double position = static_cast<double>(k) - 0.5 * (n - 1.0);
+      sxy += position * values[k];
+      sxx += position * position;
+    }
+    const double change = sxy / sxx * n, range = central_range(channel);
+    if (std::abs(change) <= k_drift * range) continue;
+    warnings.push_back(
+        {"drift", test.source->name,
+         fmt::format("mean {} of a cycle moves by {:.3g} ({:.1f} % of its range) over {} cycles; taken out "
+                     "of the fit as a straight line",
+                     name, change, 100.0 * change / range, values.size())});
+  }
+}
+
+void find_unsettled(const PreparedTest& test, std::vector<FitWarning>& warnings) {
+  for (int block = 0; block < test.blocks; ++block) {
+    std::vector<double> energies;
+    double noise = 0.0;
+    for (const Cycle& cycle : test.cycles) {
+      if (!cycle.used || cycle.block != block) continue;
+      energies.push_back(cycle.measured.dissipated_energy);
+      noise = energy_noise(test, cycle);
+    }
+    if (energies.size() < 3) continue;
+    // The same sign twice over tells settling from noise.
+    const double last = energies.back() / energies[energies.size() - 2] - 1.0;
+    const double before = energies[energies.size() - 2] / energies[energies.size() - 3] - 1.0;
+    const double limit = std::max(k_settling, 3.0 * noise / std::abs(energies.back()));
+    if (last * before <= 0.0 || 0.5 * std::abs(last + before) <= limit) continue;
+    warnings.push_back({"unsettled_cycles", test.source->name,
+                        fmt::format("loop area still changes by {:.1f} % a cycle in the last cycles of block {}",
+                                    50.0 * (last + before), block + 1)});
+  }
+}
+
+void find_transitions(const PreparedTest& test, std::vector<FitWarning>& warnings) {
+  std::string list;
+  for (std::size_t k = 0; k < test.cycles.size(); ++k) {
+    if (test.cycles[k].note == "transition") list += fmt::format("{}{}", list.empty() ? "" : ", ", k + 1);
+  }
+  if (list.empty()) return;
+  warnings.push_back({"transition_cycles", test.source->name,
+                      fmt::format("cycles {} lie between two amplitudes and are not fitted", list)});
+}
+
+void find_sparse_sampling(const PreparedTest& test, std::vector<FitWarning>& warnings) {
+  if (test.cycles.front().open) return;
+  const auto samples = static_cast<double>(test.cycles.back().span.end - test.cycles.front().span.begin);
+  const double per_cycle = samples / static_cast<double>(test.cycles.size());
+  if (per_cycle >= k_least_samples) return;
+  warnings.push_back({"few_samples", test.source->name,
+                      fmt::format("{:.0f} samples a cycle: loop areas are short by about {:.1f} %", per_cycle,
+                                  100.0 * std::pow(6.2831853 / per_cycle, 2) / 6.0)});
+}
+
+void find_tilt(const PreparedTest& test, std::vector<FitWarning>& warnings) {
+  const std::vector<double>& tilt = test.source->tilt;
+  if (tilt.empty()) return;
+  const double share = central_range(tilt) / central_range(test.source->displacement);
+  if (share <= k_tilt) return;
+  warnings.push_back(
+      {"tilted_specimen", test.source->name,
+       fmt::format("the two LVDTs differ by {:.0f} % of the displacement: the specimen tilts; their mean is used",
+                   200.0 * share)});
+}
+
+}  // namespace
+
+void diagnose(PreparedTest& test, std::vector<FitWarning>& warnings) {
+  const std::string& name = test.source->name;
+  if (test.cycles.empty()) {
+    test.unusable = "no closed cycle";
+    warnings.push_back({"no_cycle", name, "the displacement closes no cycle; the test is left out of the fit"});
+    return;
+  }
+  if (!test.unusable.empty())
+    warnings.push_back({"no_cycle", name, test.unusable + "; the test is left out of the fit"});
+  if (test.cycles.front().open) {
+    warnings.push_back(
+        {"open_ramp", name, "one ramp without a way back: it tells the stiffness, friction and damping stay unknown"});
+  }
+  find_mixed_channels(test, warnings);
+  find_clipping(test, test.source->displacement, test.source->force, "displacement", warnings);
+  find_clipping(test, test.source->force, test.source->displacement, "force", warnings);
+  find_wrong_frequency(test, warnings);
+  find_drift(test, test.force, "force", warnings);
+  find_drift(test, test.displacement, "displacement", warnings);
+  find_unsettled(test, warnings);
+  find_transitions(test, warnings);
+  find_sparse_sampling(test, warnings);
+  find_tilt(test, warnings);
+  if (!test.rate_known) {
+    warnings.push_back({"rate_unknown", name,
+                        "neither time nor frequency is given: fitted as rate-independent (spring and friction stops)"});
+  }
+}
+
+}  // namespace grouser

@@ -1,0 +1,164 @@
+#include "identification/identify.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <optional>
+#include <thread>
+
+#include "identification/axis_fit.h"
+#include "identification/evaluate_fit.h"
+#include "identification/prepared_test.h"
+#include "identification/uncertainty.h"
+#include "model/errors.h"
+
+namespace grouser {
+namespace {
+
+struct AxisResult {
+  AxisLaw law;
+  AxisFit fit;
+};
+
+std::vector<const PreparedTest*> usable_tests(const std::vector<PreparedTest>& tests, Axis axis) {
+  std::vector<const PreparedTest*> result;
+  for (const PreparedTest& test : tests) {
+    if (test.source->axis == axis && test.unusable.empty() && test.cycles_used() > 0) result.push_back(&test);
+  }
+  return result;
+}
+
+double largest_rate(const PreparedTest& test) {
+  double rate = 0.0;
+  for (const Cycle& cycle : test.cycles) {
+    for (std::size_t i = cycle.span.begin + 1; cycle.used && i <= cycle.span.end; ++i) {
+      const double dx = test.displacement[i] - test.displacement[i - 1], h = test.time[i] - test.time[i - 1];
+      rate = std::max(rate, std::abs(dx / h));
+    }
+  }
+  return rate;
+}
+
+ValidRange valid_range(const AxisData& data, const std::vector<const PreparedTest*>& tests) {
+  ValidRange valid;
+  valid.amplitude = std::max(std::abs(data.low), std::abs(data.high));
+  valid.frequency_low = data.lowest_frequency;
+  valid.frequency_high = data.highest_frequency;
+  for (const PreparedTest* test : tests) {
+    if (test->rate_known) valid.rate = std::max(valid.rate, largest_rate(*test));
+  }
+  return valid;
+}
+
+AxisResult identify_axis(Axis axis, const std::vector<const PreparedTest*>& tests) {
+  const AxisData data = gather(tests);
+  AxisResult result;
+  result.fit.axis = axis;
+  try {
+    const AxisSolution solution = fit_axis(data);
+    result.law = make_law(solution.dictionary, solution.coefficients);
+    result.law.valid = valid_range(data, tests);
+    result.fit.solver = solution.summary;
+    estimate_uncertainty(data, solution, result.fit);
+  } catch (const NumericalError& error) {
+    throw NumericalError(fmt::format("axis {}: {}", name_of(axis), error.what()));
+  }
+  return result;
+}
+
+void report_progress(const Progress& progress, double fraction, const std::string& what) {
+  if (progress && !progress({fraction, what})) throw NumericalError("identification interrupted before: " + what);
+}
+
+using AxisResults = std::array<std::optional<AxisResult>, k_num_axes>;
+
+// Axes are independent; each result has its own place, so the number of threads changes nothing.
+AxisResults identify_axes(const std::vector<PreparedTest>& tests, int threads, const Progress& progress) {
+  AxisResults results;
+  std::array<std::exception_ptr, k_num_axes> errors;
+  std::atomic<int> next{0};
+  const auto work = [&](bool reports) {
+    for (int a = next++; a < k_num_axes; a = next++) {
+      const auto at = static_cast<std::size_t>(a);
+      try {
+        const auto usable = usable_tests(tests, static_cast<Axis>(a));
+        if (reports)
+          report_progress(progress, (1.0 + a) / (2.0 + k_num_axes), fmt::format("fitting axis {}", k_axis_names[at]));
+        if (!usable.empty()) results[at] = identify_axis(static_cast<Axis>(a), usable);
+      } catch (...) {
+        errors[at] = std::current_exception();
+        next = k_num_axes;
+      }
+    }
+  };
+  {
+    std::vector<std::jthread> helpers;
+    for (int i = 1; i < std::min(threads, k_num_axes); ++i) helpers.emplace_back(work, false);
+    work(true);
+  }
+  for (const std::exception_ptr& error : errors) {
+    if (error) std::rethrow_exception(error);
+  }
+  return results;
+}
+
+void require_usable_data(const RigRecord& rig, const std::vector<PreparedTest>& tests) {
+  std::vector<InputFinding> findings;
+  for (const PreparedTest& test : tests) {
+    if (test.unusable.empty()) return;
+    findings.push_back({rig.path.string(), "/tests/" + test.source->name,
+                        "a test that closes cycles of force over displacement", test.unusable, ""});
+  }
+  if (findings.empty()) findings.push_back({rig.path.string(), "/tests", "at least one test", "none", ""});
+  throw InputError(findings);
+}
+
+void warn_of_missing_axes(const AxisResults& results, std::vector<FitWarning>& warnings) {
+  for (std::size_t a = 0; a < results.size(); ++a) {
+    if (!results[a])
+      warnings.push_back(
+          {"axis_without_test", "", fmt::format("axis {} has no usable test and gets no law", k_axis_names[a])});
+  }
+}
+
+double worst_calibration(const RigRecord& rig) {
+  double worst = rig.force_sensor ? calibration_residual(*rig.force_sensor) : 0.0;
+  for (const SensorCalibration& sensor : rig.displacement_sensors)
+    worst = std::max(worst, calibration_residual(sensor));
+  return worst;
+}
+
+}  // namespace
+
+IdentifyResult identify(const RigRecord& rig, const IdentifyOptions& options, const Progress& progress) {
+  IdentifyResult result;
+  result.fit.specimen = result.bushing.name = rig.specimen;
+  result.fit.synthetic = result.bushing.synthetic = rig.synthetic;
+  result.fit.synthetic_note = rig.synthetic_note;
+  result.fit.provenance = result.bushing.provenance = rig.provenance;
+  result.fit.calibration_residual = worst_calibration(rig);
+
+  report_progress(progress, 0.0, "cutting cycles");
+  std::vector<PreparedTest> tests;
+  for (const RigTest& test : rig.tests) tests.push_back(prepare_test(test, rig, result.fit.warnings));
+  require_usable_data(rig, tests);
+
+  const AxisResults axes = identify_axes(tests, options.threads, progress);
+  warn_of_missing_axes(axes, result.fit.warnings);
+  for (std::size_t a = 0; a < axes.size(); ++a) {
+    if (!axes[a]) continue;
+    result.bushing.axes[a] = axes[a]->law;
+    result.fit.axes.push_back(axes[a]->fit);
+  }
+  report_progress(progress, (1.0 + k_num_axes) / (2.0 + k_num_axes), "comparing fit and measurement");
+  for (const PreparedTest& test : tests) {
+    const auto& axis = axes[static_cast<std::size_t>(index_of(test.source->axis))];
+    result.fit.tests.push_back(evaluate_fit(test, axis && test.unusable.empty() ? &axis->law : nullptr));
+  }
+  return result;
+}
+
+}  // namespace grouser

@@ -1,0 +1,52 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "identification/signal.h"
+#include "model/fit.h"
+#include "model/rig.h"
+
+namespace grouser {
+
+/// One closed cycle of a test, or the one open ramp of a static test that never comes back.
+struct Cycle {
+  CycleSpan span;
+  bool open = false;  ///< encloses no area: tells stiffness, not dissipation
+  int block = 0;      ///< amplitude block within the test, counted from 0
+  bool used = false;
+  std::string note;        ///< why not used
+  double amplitude = 0.0;  ///< half displacement range, m or rad
+  double centre = 0.0;     ///< middle of the displacement range
+  LoopMeasures measured;
+};
+
+/// A test as the fit sees it: displacement of one bushing without the rig's share, cycles cut and sorted.
+struct PreparedTest {
+  const RigTest* source = nullptr;
+  std::vector<double> time;          ///< s, rounding of the file's column removed
+  std::vector<double> displacement;  ///< m or rad of one bushing, smoothed when noise would enter the histories
+  std::vector<double> force;         ///< N or N m as measured
+  std::vector<double> smooth_force;  ///< for force ranges only
+  double noise_displacement = 0.0, noise_force = 0.0;
+  bool rate_known = false;  ///< false: only the order of the samples is known
+  double frequency = 0.0;   ///< Hz; cycles a second for ramps; 0 where the rate is unknown
+  double sine_residual_displacement = 0.0, sine_residual_force = 0.0;  ///< see SineFit; 0 for ramps
+  std::vector<Cycle> cycles;
+  int blocks = 0;
+  std::string unusable;  ///< why the whole test stays out of the fit; empty = it is in
+
+  [[nodiscard]] int cycles_used() const;
+};
+
+/// Loop measures by definition (D 6.1) of samples begin..end, closed by the chord. frequency 0 = unknown.
+[[nodiscard]] LoopMeasures loop_measures(const std::vector<double>& displacement, const std::vector<double>& force,
+                                         const std::vector<double>& force_for_range, CycleSpan span, double frequency);
+
+/// Random part of one cycle's loop area [J]: force noise on every step of the displacement.
+[[nodiscard]] double energy_noise(const PreparedTest& test, const Cycle& cycle);
+
+/// Takes rig compliance and series bushings out, cuts cycles, measures them, decides which enter the fit; adds to
+/// `warnings` what the data show (drift, clipped sensor, swapped columns, reversed polarity, wrong frequency, ...).
+[[nodiscard]] PreparedTest prepare_test(const RigTest& test, const RigRecord& rig, std::vector<FitWarning>& warnings);
+
+}  // namespace grouser
