@@ -104,30 +104,11 @@ std::vector<Probe> probes(const RunFolder& run) {
 }
 
 std::vector<double> upper_run_tension(const RunFolder& run, Side side) {
-  const std::string track = std::string("/tracks/") + name_of(side);
-  const Array force = require_channel(run, track + "/bushing_force");
-  const Array link = require_channel(run, track + "/link_position");
-  const Array position = require_channel(run, "/chassis/position");
-  const Array orientation = require_channel(run, "/chassis/orientation");
-  const RunningGear& gear = run.vehicle.side(side);
-  const Vector3d sprocket = gear.sprocket.center, idler = gear.idler.wheel.center;
-  const double rear = std::min(sprocket.x(), idler.x()), front = std::max(sprocket.x(), idler.x());
-  const double floor = std::max(sprocket.z(), idler.z());
-  std::vector<double> tension(force.rows());
-  for (std::size_t row = 0; row < tension.size(); ++row) {
-    const Quaterniond R_BW = quaternion_of(orientation.row(row)).conjugate();
-    const Vector3d p_WB = vector_of(position.row(row));
-    double sum = 0.0;
-    int count = 0;
-    for (std::size_t i = 0; i < link.row_size() / 3; ++i) {
-      const Vector3d p_BL = R_BW * (vector_of(link.row(row).subspan(3 * i, 3)) - p_WB);
-      if (p_BL.z() < floor || p_BL.x() < rear || p_BL.x() > front) continue;
-      sum += force.row(row)[3 * i];
-      ++count;
-    }
-    tension[row] = count > 0 ? sum / count : std::nan("");
-  }
-  return tension;
+  return require_column(run, "/probes/upper_run_tension", {static_cast<std::size_t>(index_of(side))});
+}
+
+std::vector<double> sprocket_torque(const RunFolder& run, Side side) {
+  return require_column(run, "/probes/sprocket_torque", {static_cast<std::size_t>(index_of(side))});
 }
 
 std::vector<double> forward_speed(const RunFolder& run) {

@@ -40,9 +40,11 @@ struct Probe {
 /// All probes, right side first (the paper shows a link of the right track).
 [[nodiscard]] std::vector<Probe> probes(const RunFolder& run);
 
-/// Mean longitudinal force [N] over the bushings of the upper run (between sprocket and idler, above both), a value per
-/// sample.
+/// Mean longitudinal force [N] over the bushings of the upper run, at /probes/time.
 [[nodiscard]] std::vector<double> upper_run_tension(const RunFolder& run, Side side);
+/// Torque [N m] that holds the sprocket to its prescribed speed, at /probes/time: the samples are close enough for the
+/// link-passing frequency and its harmonics.
+[[nodiscard]] std::vector<double> sprocket_torque(const RunFolder& run, Side side);
 /// Forward speed of the chassis origin, in the chassis' own heading [m/s].
 [[nodiscard]] std::vector<double> forward_speed(const RunFolder& run);
 

@@ -15,12 +15,12 @@ using nlohmann::json;
 /// One curve a run over time; runs without the data are passed over.
 template <typename Curve>
 Figure overlay(const std::vector<RunFolder>& runs, const std::string& name, const std::string& title,
-               const std::string& caption, const std::string& y_label, const Curve& curve) {
+               const std::string& caption, const std::string& y_label, const std::string& time, const Curve& curve) {
   Panel panel = time_panel("", y_label);
   for (const RunFolder& run : runs) {
     try {
       panel.series.push_back(
-          {.name = run.summary.name, .x = require_column(run, "/time"), .y = curve(run), .width = 1.3f});
+          {.name = run.summary.name, .x = require_column(run, time), .y = curve(run), .width = 1.3f});
     } catch (const InputError&) {
       continue;
     }
@@ -76,15 +76,13 @@ json comparison_facts(const std::vector<RunFolder>& runs, const std::string& id,
     facts["runs"].push_back({{"name", run.summary.name}, {"verdict", name_of(run.summary.status)}, {"pass", pass}});
   }
   const std::vector<Figure> figures{
-      overlay(runs, "compare_speed", "Speed", "Forward speed of each run.", "Speed v [m/s]",
+      overlay(runs, "compare_speed", "Speed", "Forward speed of each run.", "Speed v [m/s]", "/time",
               [](const RunFolder& run) { return forward_speed(run); }),
       overlay(runs, "compare_tension", "Tension of the upper run",
-              "Mean over the bushings of the upper run of the right track.", "Tension [kN]",
+              "Mean over the bushings of the upper run of the right track.", "Tension [kN]", "/probes/time",
               [](const RunFolder& run) { return scaled(upper_run_tension(run, Side::right), 1e-3); }),
       overlay(runs, "compare_torque", "Sprocket torque", "Drive torque of the right sprocket.", "Drive torque [kN m]",
-              [](const RunFolder& run) {
-                return scaled(require_column(run, "/joints/torque", {joint_index(run, Side::right, "sprocket")}), 1e-3);
-              })};
+              "/probes/time", [](const RunFolder& run) { return scaled(sprocket_torque(run, Side::right), 1e-3); })};
   for (const Figure& figure : figures)
     if (!figure.panels.front().series.empty()) facts["figures"].push_back(figure_block(figure, id + "-" + figure.name));
   return facts;

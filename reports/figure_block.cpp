@@ -101,6 +101,7 @@ json without_payloads(const json& value) {
 }
 
 bool chartable(const Figure& figure) {
+  if (figure.columns > 1) return false;  // small multiples are read as a whole
   for (const Panel& panel : figure.panels) {
     if (!panel.bands.empty()) return false;
     for (const Series& series : panel.series)

@@ -12,7 +12,8 @@ inline constexpr const char* k_payload_prefix = "payload_";
 /// The value without such keys, at every depth.
 [[nodiscard]] nlohmann::json without_payloads(const nlohmann::json& value);
 
-/// True when every series runs forward in x, so that a chart over x can show it.
+/// True when the panels stand one under the other and every series runs forward in x, so that charts over x can show
+/// them.
 [[nodiscard]] bool chartable(const Figure& figure);
 
 /// Indices of the rows that show a set of curves on `max_rows` rows: the lowest and the highest sample of every curve

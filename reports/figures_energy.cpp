@@ -51,17 +51,23 @@ Series sum_of(const std::string& name, const std::vector<double>& time, const st
   return sum;
 }
 
-/// Running integral of |sprocket power| of both sides [J], trapezoid over the samples.
+/// Running integral of |sprocket power| of both sides [J] at the times of the samples, trapezoid over the probes' finer
+/// times.
 std::vector<double> power_integral(const RunFolder& run, const std::vector<double>& time) {
-  std::vector<double> power(time.size(), 0.0), integral(time.size(), 0.0);
-  for (const Side side : {Side::left, Side::right}) {
-    const std::size_t joint = joint_index(run, side, "sprocket");
-    const std::vector<double> torque = require_column(run, "/joints/torque", {joint});
-    const std::vector<double> rate = require_column(run, "/joints/rate", {joint});
-    for (std::size_t i = 0; i < power.size(); ++i) power[i] += std::abs(torque[i] * rate[i]);
+  const std::vector<double> fine = require_column(run, "/probes/time");
+  const std::vector<double> left = sprocket_torque(run, Side::left), right = sprocket_torque(run, Side::right);
+  const auto power = [&](std::size_t i) {
+    return std::abs(left[i] * drive_speed(run, Side::left, fine[i])) +
+           std::abs(right[i] * drive_speed(run, Side::right, fine[i]));
+  };
+  std::vector<double> integral(time.size(), 0.0);
+  double sum = 0.0;
+  std::size_t i = 1;
+  for (std::size_t row = 0; row < time.size(); ++row) {
+    for (; i < fine.size() && fine[i] <= time[row]; ++i)
+      sum += 0.5 * (power(i) + power(i - 1)) * (fine[i] - fine[i - 1]);
+    integral[row] = sum;
   }
-  for (std::size_t i = 1; i < time.size(); ++i)
-    integral[i] = integral[i - 1] + 0.5 * (power[i] + power[i - 1]) * (time[i] - time[i - 1]);
   return integral;
 }
 

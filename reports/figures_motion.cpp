@@ -96,6 +96,12 @@ Figure figure_yaw_rate(const RunFolder& run) {
     panel.series.push_back(std::move(no_slip));
     caption += " Without slip it would be the difference of the track speeds over the tread.";
   }
+  // A vehicle that drives straight shows a line, not its round-off.
+  constexpr double k_turning = 0.05;
+  bool turns = false;
+  for (const Series& series : panel.series)
+    turns = turns || std::ranges::any_of(series.y, [](double rate) { return std::abs(rate) > k_turning; });
+  if (!turns) panel.y_range = {{-k_turning, k_turning}};
   return stacked_figure("yaw_rate", "Yaw rate", caption, {std::move(panel)}, 240);
 }
 

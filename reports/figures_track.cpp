@@ -86,7 +86,7 @@ Figure figure_tension(const RunFolder& run) {
         "Longitudinal force in one bushing between track links as the link runs round the track (the paper's Fig. 5). ";
   }
   Panel upper = time_panel("Upper run, mean", "Tension [kN]");
-  const std::vector<double> time = require_column(run, "/time");
+  const std::vector<double> time = require_column(run, "/probes/time");
   for (const Side side : {Side::left, Side::right})
     upper.series.push_back(
         {.name = name_of(side), .x = time, .y = scaled(upper_run_tension(run, side), k_kilo), .width = 1.2f});
@@ -121,14 +121,11 @@ Figure figure_contact_forces_zoom(const RunFolder& run) {
 }
 
 Figure figure_sprocket_torque(const RunFolder& run) {
-  const std::vector<double> time = require_column(run, "/time");
+  const std::vector<double> time = require_column(run, "/probes/time");
   Panel panel = time_panel("", "Drive torque [kN m]");
   for (const Side side : {Side::left, Side::right})
     panel.series.push_back(
-        {.name = name_of(side),
-         .x = time,
-         .y = scaled(require_column(run, "/joints/torque", {joint_index(run, side, "sprocket")}), k_kilo),
-         .width = 1.1f});
+        {.name = name_of(side), .x = time, .y = scaled(sprocket_torque(run, side), k_kilo), .width = 1.1f});
   return stacked_figure("sprocket_torque", "Sprocket torque",
                         "Torque that holds each sprocket to its prescribed speed; positive drives forward.",
                         {std::move(panel)}, 260);
@@ -136,19 +133,19 @@ Figure figure_sprocket_torque(const RunFolder& run) {
 
 Figure figure_torque_spectrum(const RunFolder& run) {
   const TimeWindow window = require_steady_window(run);
-  const std::vector<double> time = require_column(run, "/time");
+  const std::vector<double> time = require_column(run, "/probes/time");
   // The first third of the stretch still rings from the change of drive.
   const double begin = window.begin + (window.end - window.begin) / 3.0;
   const auto first = std::lower_bound(time.begin(), time.end(), begin),
              last = std::upper_bound(first, time.end(), window.end);
-  if (last - first < 16) (void)require_channel(run, "/time: samples of the steady stretch");
+  if (last - first < 16) (void)require_channel(run, "/probes/time: samples of the steady stretch");
   const double rate = static_cast<double>(last - first - 1) / (*(last - 1) - *first);
   Panel panel;
   panel.x_label = "Frequency f [Hz]";
   panel.y_label = "Torque amplitude [kN m]";
   panel.log_y = true;
   for (const Side side : {Side::left, Side::right}) {
-    const std::vector<double> torque = require_column(run, "/joints/torque", {joint_index(run, side, "sprocket")});
+    const std::vector<double> torque = sprocket_torque(run, side);
     const std::vector<double> part(torque.begin() + (first - time.begin()), torque.begin() + (last - time.begin()));
     Spectrum spectrum = amplitude_spectrum(part, rate);
     panel.series.push_back({.name = name_of(side),

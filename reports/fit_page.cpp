@@ -57,15 +57,6 @@ json check_facts(const FitRecord& fit) {
   return checks;
 }
 
-json verdict_facts(const json& checks, std::size_t num_warnings) {
-  const auto failed = std::ranges::count_if(checks, [](const json& c) { return !c["pass"].get<bool>(); });
-  std::string text = failed == 0 ? fmt::format("All {} checks of the fit pass", checks.size())
-                                 : fmt::format("{} of {} checks of the fit fail", failed, checks.size());
-  if (num_warnings > 0)
-    text += fmt::format("; {} {} about the data", num_warnings, num_warnings == 1 ? "warning" : "warnings");
-  return {{"pass", failed == 0}, {"text", text}};
-}
-
 json error_facts(double fitted, double measured) {
   const double error = relative_error(fitted, measured);
   return {{"value", error}, {"text", fmt::format("{}{}", error > 0.0 ? "+" : "", percent_text(error, 2))}};
@@ -196,6 +187,16 @@ FitFolder open_fit(const std::filesystem::path& folder) {
   return {folder, read_fit(folder / "fit.json"), read_bushing(folder / "bushing.json")};
 }
 
+json fit_verdict(const FitRecord& fit) {
+  const json checks = check_facts(fit);
+  const auto failed = std::ranges::count_if(checks, [](const json& c) { return !c["pass"].get<bool>(); });
+  std::string text = failed == 0 ? fmt::format("All {} checks of the fit pass", checks.size())
+                                 : fmt::format("{} of {} checks of the fit fail", failed, checks.size());
+  const std::size_t warnings = fit.warnings.size();
+  if (warnings > 0) text += fmt::format("; {} {} about the data", warnings, warnings == 1 ? "warning" : "warnings");
+  return {{"pass", failed == 0}, {"text", text}};
+}
+
 json fit_facts(const FitFolder& folder, const std::string& id, int level) {
   const FitRecord& fit = folder.fit;
   json facts{{"id", id}, {"kind", "fit"}, {"level", level}, {"sublevel", level + 1}, {"figure_level", level + 2}};
@@ -203,7 +204,7 @@ json fit_facts(const FitFolder& folder, const std::string& id, int level) {
   facts["subtitle"] = fmt::format("Identification of bushing {}", folder.bushing.name);
   facts["checks"] = check_facts(fit);
   facts["has_checks"] = true;
-  facts["verdict"] = verdict_facts(facts["checks"], fit.warnings.size());
+  facts["verdict"] = fit_verdict(fit);
   facts["headline"] = headline_facts(fit);
   facts["synthetic"] = json::array();
   if (fit.synthetic)

@@ -40,17 +40,8 @@ json card(const std::filesystem::path& folder, json facts) {
 json run_card(const std::filesystem::path& folder) {
   const RunFolder run = open_run(folder);
   const RunSummary& summary = run.summary;
-  const auto passed = std::ranges::count_if(summary.checks, &RunCheck::pass);
-  const bool pass = summary.status == RunStatus::completed && passed == static_cast<long>(summary.checks.size());
-  json facts{{"kind", "Run"}, {"title", summary.name}, {"pass", pass}, {"numbers", json::array()}};
-  facts["verdict"] = fmt::format("{}, {} of {} checks pass", name_of(summary.status), passed, summary.checks.size());
-  facts["numbers"].push_back(labelled_quantity("simulated", summary.simulated_time, "s", 3));
-  facts["numbers"].push_back(labelled_quantity("mean step", summary.steps.mean, "s", 3));
-  for (std::size_t i = 0; i < std::min<std::size_t>(4, summary.results.size()); ++i) {
-    const RunResult& result = summary.results[i];
-    facts["numbers"].push_back(
-        labelled_quantity(result.meaning.empty() ? result.name : result.meaning, result.value, result.unit, 3));
-  }
+  json facts{
+      {"kind", "Run"}, {"title", summary.name}, {"verdict", run_verdict(summary)}, {"numbers", run_headline(summary)}};
   const std::optional<TimeWindow> steady = steady_window(run);
   RenderOptions options;
   options.width = 800;
@@ -66,12 +57,9 @@ json fit_card(const std::filesystem::path& folder) {
   const FitFolder opened = open_fit(folder);
   const FitRecord& fit = opened.fit;
   json facts{{"kind", "Identification"}, {"title", fit.specimen}, {"numbers", json::array()}};
+  facts["verdict"] = fit_verdict(fit);
   double worst = 0.0;
   for (const TestFit& test : fit.tests) worst = std::max(worst, test.nrmse);
-  const auto converged =
-      std::ranges::count_if(fit.axes, [](const AxisFit& axis) { return axis.solver.termination == "CONVERGENCE"; });
-  facts["pass"] = converged == static_cast<long>(fit.axes.size());
-  facts["verdict"] = fmt::format("{} of {} axes converged", converged, fit.axes.size());
   facts["numbers"].push_back(
       {{"label", "tests"}, {"value", fit.tests.size()}, {"text", count_text(static_cast<long>(fit.tests.size()))}});
   facts["numbers"].push_back(

@@ -67,7 +67,8 @@ std::string number_text(double value, int digits) {
   }
   const int decimals = std::max(0, digits - 1 - static_cast<int>(std::floor(std::log10(magnitude))));
   std::string text = fmt::format("{:.{}f}", magnitude, decimals);
-  if (text.find('.') != std::string::npos) {
+  // Zeros of a rounded number are digits (13.98 is 14.0 to three); those of an exact one are padding.
+  if (text.find('.') != std::string::npos && std::strtod(text.c_str(), nullptr) == magnitude) {
     while (text.back() == '0') text.pop_back();
     if (text.back() == '.') text.pop_back();
   }

@@ -24,6 +24,12 @@ struct FitFolder {
 /// heading.
 [[nodiscard]] nlohmann::json run_facts(const RunFolder& run, const std::string& id, int level);
 [[nodiscard]] nlohmann::json fit_facts(const FitFolder& folder, const std::string& id, int level);
+/// {pass, text}: whether the fit reached what it must, in one sentence.
+[[nodiscard]] nlohmann::json fit_verdict(const FitRecord& fit);
+/// {pass, text} of a run.
+[[nodiscard]] nlohmann::json run_verdict(const RunSummary& summary);
+/// The few numbers of a run that a reader looks for first.
+[[nodiscard]] nlohmann::json run_headline(const RunSummary& summary);
 /// Several runs side by side: a table of every result and overlaid figures.
 [[nodiscard]] nlohmann::json comparison_facts(const std::vector<RunFolder>& runs, const std::string& id, int level);
 

@@ -60,36 +60,17 @@ json check_facts(const RunSummary& summary) {
   return checks;
 }
 
-/// One sentence and a colour: what a reader wants first.
-json verdict_facts(const RunSummary& summary) {
-  const auto passed = std::ranges::count_if(summary.checks, &RunCheck::pass);
-  const auto total = static_cast<long>(summary.checks.size());
-  const bool completed = summary.status == RunStatus::completed;
-  std::string text =
-      fmt::format("Run {} after {}", name_of(summary.status), quantity_text(summary.simulated_time, "s"));
-  if (total > 0)
-    text += passed == total ? fmt::format("; all {} checks pass", total)
-                            : fmt::format("; {} of {} checks fail", total - passed, total);
-  return {{"pass", completed && passed == total}, {"text", text}};
-}
-
-json headline_facts(const RunFolder& run) {
-  const RunSummary& summary = run.summary;
-  json tiles = json::array();
-  tiles.push_back(labelled_quantity("simulated", summary.simulated_time, "s", 3));
-  const double factor = summary.simulated_time > 0.0 ? summary.wall_time / summary.simulated_time : std::nan("");
-  tiles.push_back(labelled_quantity("wall seconds a simulated second", factor, "1", 2));
-  const std::size_t with_counts = tiles.size();
-  // The first results that the run itself put first; a scenario knows best what matters about it.
-  for (const RunResult& result : summary.results) {
-    if (tiles.size() >= with_counts + 4) break;
-    tiles.push_back(
-        labelled_quantity(result.meaning.empty() ? result.name : result.meaning, result.value, result.unit, 3));
-  }
-  tiles.push_back(labelled_quantity("mean step", summary.steps.mean, "s", 3));
-  tiles.push_back(labelled_quantity("energy residual of ∫|P| dt", summary.energy.residual_fraction, "1", 2));
-  return tiles;
-}
+/// Results that a reader looks for first, in this order, with room for a few words.
+struct Headline {
+  const char* result;
+  const char* label;
+};
+constexpr std::array<Headline, 6> k_headlines{{{"cruise_speed_m_per_s", "cruise speed"},
+                                               {"distance_m", "distance"},
+                                               {"yaw_rate_rad_per_s", "steady yaw rate"},
+                                               {"yaw_turned_rad", "turned"},
+                                               {"largest_tension_N", "largest bushing tension"},
+                                               {"link_passing_torque_N_m", "torque at link passing"}}};
 
 json count_row(const std::string& label, long value) {
   return {{"label", label}, {"value", value}, {"text", count_text(value)}};
@@ -188,17 +169,45 @@ json synthetic_notes(const RunFolder& run) {
 
 }  // namespace
 
+json run_verdict(const RunSummary& summary) {
+  const auto passed = std::ranges::count_if(summary.checks, &RunCheck::pass);
+  const auto total = static_cast<long>(summary.checks.size());
+  const bool completed = summary.status == RunStatus::completed;
+  std::string text =
+      fmt::format("Run {} after {}", name_of(summary.status), quantity_text(summary.simulated_time, "s"));
+  if (total > 0)
+    text += passed == total ? fmt::format("; all {} checks pass", total)
+                            : fmt::format("; {} of {} checks fail", total - passed, total);
+  return {{"pass", completed && passed == total}, {"text", text}};
+}
+
+json run_headline(const RunSummary& summary) {
+  json tiles = json::array();
+  tiles.push_back(labelled_quantity("simulated", summary.simulated_time, "s", 3));
+  for (const Headline& headline : k_headlines) {
+    const auto result = std::ranges::find(summary.results, headline.result, &RunResult::name);
+    if (result != summary.results.end())
+      tiles.push_back(labelled_quantity(headline.label, result->value, result->unit, 3));
+  }
+  tiles.push_back(labelled_quantity("mean step", summary.steps.mean, "s", 3));
+  tiles.push_back(labelled_quantity("energy residual of ∫|P| dt", summary.energy.residual_fraction, "1", 2));
+  if (summary.simulated_time > 0.0)
+    tiles.push_back(
+        labelled_quantity("wall seconds a simulated second", summary.wall_time / summary.simulated_time, "1", 2));
+  return tiles;
+}
+
 json run_facts(const RunFolder& run, const std::string& id, int level) {
   const RunSummary& summary = run.summary;
   json facts{{"id", id}, {"kind", "run"}, {"level", level}, {"sublevel", level + 1}, {"figure_level", level + 2}};
   facts["title"] = summary.name;
-  facts["subtitle"] = fmt::format("{} on bushing {}", summary.vehicle_name, summary.bushing_name);
+  facts["subtitle"] = fmt::format("{} · {}", summary.vehicle_name, summary.bushing_name);
   facts["status"] = name_of(summary.status);
   facts["message"] = summary.message;
-  facts["verdict"] = verdict_facts(summary);
+  facts["verdict"] = run_verdict(summary);
   facts["checks"] = check_facts(summary);
   facts["has_checks"] = !summary.checks.empty();
-  facts["headline"] = headline_facts(run);
+  facts["headline"] = run_headline(summary);
   facts["synthetic"] = synthetic_notes(run);
   facts["is_synthetic"] = !facts["synthetic"].empty();
   facts["playback"] = playback_facts(run, id);

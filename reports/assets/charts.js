@@ -62,6 +62,10 @@ const grouserCharts = (() => {
     c.restore();
   }
 
+  // A constant still needs a height to stand in.
+  const paddedRange = (u, low, high) => low == null ? [0, 1] : low === high ? [low - Math.max(1, Math.abs(low)) * 0.5, high + Math.max(1, Math.abs(high)) * 0.5]
+    : uPlot.rangeNum(low, high, 0.08, true);
+
   // Zoom of one chart over time is the zoom of all of them.
   function spread(u) {
     if (spreading) return;
@@ -119,7 +123,7 @@ const grouserCharts = (() => {
       width, height, legend: { show: false }, padding: [8, 12, 0, 0],
       scales: {
         x: { time: false, distr: panel.log_x ? 3 : 1, ...(panel.x_range ? { range: panel.x_range } : {}) },
-        y: { distr: panel.log_y ? 3 : 1, ...(panel.y_range ? { range: panel.y_range } : {}) },
+        y: { distr: panel.log_y ? 3 : 1, ...(panel.y_range ? { range: panel.y_range } : panel.log_y ? {} : { range: paddedRange }) },
       },
       axes: [axis(last ? { label, labelSize: 22, size: 26 } : { size: 10, values: (u, splits) => splits.map(() => "") }), axis({ size: 58 })],
       cursor: { drag: { x: true, y: false, dist: 4 }, points: { size: 7 }, focus: { prox: -1 },

@@ -39,7 +39,6 @@ json track() {
   for (const double x : {-0.06, 0.06})
     for (const double y : {-0.2, 0.0, 0.2}) points.push_back({x, y, -0.055});
   const json link{{"mass_kg", 30.0},
-                  {"center_of_mass_m", {0, 0, 0}},
                   {"inertia_kg_m2", {0.9, 0.2, 0.9}},
                   {"shoe_width_m", 0.5},
                   {"ground_depth_m", 0.055},
