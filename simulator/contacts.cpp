@@ -13,13 +13,12 @@ LinkView view_link(const State& state, const Workspace& work, int i) {
   return link;
 }
 
-void push_link(Workspace& work, int i, const Vector3d& arm_W, const Vector3d& force_W, Partner partner) {
-  const Vector3d torque = arm_W.cross(force_W);
+void push_link(Workspace& work, int i, const LinkLoad& load, Partner partner) {
   Field& booked = work.contact_force_W[static_cast<std::size_t>(partner)];
   for (int c = 0; c < 3; ++c) {
-    work.force_W[c][i] += force_W[c];
-    work.torque_W[c][i] += torque[c];
-    booked[c][i] += force_W[c];
+    work.force_W[c][i] += load.force_W[c];
+    work.torque_W[c][i] += load.torque_W[c];
+    booked[c][i] += load.force_W[c];
   }
 }
 

@@ -36,8 +36,17 @@ struct LinkView {
 };
 [[nodiscard]] LinkView view_link(const State& state, const Workspace& work, int i);
 
-/// Adds a force to a link, `arm` from its centre, and books it to a partner.
-void push_link(Workspace& work, int i, const Vector3d& arm_W, const Vector3d& force_W, Partner partner);
+/// Forces gathered on one link, moments about its centre, before they are booked once.
+struct LinkLoad {
+  Vector3d force_W = Vector3d::Zero();
+  Vector3d torque_W = Vector3d::Zero();
+  void add(const Vector3d& arm_W, const Vector3d& f_W) {
+    force_W += f_W;
+    torque_W += arm_W.cross(f_W);
+  }
+};
+/// Adds a load to a link's sums and books its force to a partner.
+void push_link(Workspace& work, int i, const LinkLoad& load, Partner partner);
 
 /// Calls visit(i) for every link (offset .. offset + num_links) whose centre is within `radius` of `center` (W).
 template <typename Visit>

@@ -54,7 +54,7 @@ void add_stability(Workspace& work, const CompiledTrack& track, int i, double st
 
 /// One disc on plate or edge. Returns whether it touches.
 bool touch_path(const Meeting& m, double stiffness, double lateral, const Vector3d& velocity_W, const Vector3d& spin_W,
-                Workspace& work) {
+                LinkLoad& load, Workspace& work) {
   const CompiledTrack& track = m.track;
   const Vector3d disc_from_link = m.center_from_link_W + lateral * m.axle_W;
   const Vector3d disc = m.link.rotation.transpose() * disc_from_link;
@@ -66,7 +66,7 @@ bool touch_path(const Meeting& m, double stiffness, double lateral, const Vector
 
   const Vector3d disc_velocity = velocity_W + spin_W.cross(lateral * m.axle_W);
   const Vector3d rate = m.link.rotation.transpose() * (disc_velocity - m.link.velocity_at(disc_from_link));
-  const double fx = stiffness * patch.force_x, fz = stiffness * patch.force_z, elastic = std::hypot(fx, fz);
+  const double fx = stiffness * patch.force_x, fz = stiffness * patch.force_z, elastic = std::sqrt(fx * fx + fz * fz);
   const double closing = -(fx * rate.x() + fz * rate.z()) / elastic;
   const double factor = normal_factor(m.discs.contact, closing), normal = elastic * factor;
 
@@ -82,8 +82,8 @@ bool touch_path(const Meeting& m, double stiffness, double lateral, const Vector
   const Vector3d base_offset = m.center_from_base_W - m.center_from_link_W;
   work.chassis.add_force(m.discs.body, base_offset + disc_from_link, push);
   work.chassis.add_force(m.discs.body, base_offset + patch_from_link, drag);
-  push_link(work, m.link.index, disc_from_link, -push, m.discs.partner);
-  push_link(work, m.link.index, patch_from_link, -drag, m.discs.partner);
+  load.add(disc_from_link, -push);
+  load.add(patch_from_link, -drag);
 
   const double steepest = std::min(m.discs.contact.friction_slope_limit,
                                    m.discs.contact.friction * normal / m.discs.contact.friction_speed);
@@ -129,7 +129,9 @@ ContactCase touch_guide(const Meeting& m, const Vector3d& velocity_W, Workspace&
   const double factor = normal_factor(track.guide, closing);
   const Vector3d push = m.link.rotation * (factor * force);
   work.chassis.add_force(m.discs.body, m.center_from_base_W, push);
-  push_link(work, m.link.index, m.center_from_link_W, -push, Partner::guide);
+  LinkLoad load;
+  load.add(m.center_from_link_W, -push);
+  push_link(work, m.link.index, load, Partner::guide);
   add_stability(work, track, m.link.index, k, 0.0, 0.0, 0.1, 0.0);
   work.energy.contact += 0.5 * k * depth * depth;
   work.energy.contact_power += elastic * (factor - 1.0) * closing;
@@ -144,10 +146,12 @@ void meet(const Meeting& m, double stiffness_scale, Workspace& work) {
   const Vector3d spin = work.chassis.angular_velocity_W[static_cast<std::size_t>(m.discs.body)];
   const double stiffness = stiffness_scale * m.discs.contact.stiffness;
   int touching = 0;
+  LinkLoad load;
   for (const double lateral : {-m.discs.disc_offset, m.discs.disc_offset}) {
-    touching += touch_path(m, stiffness, lateral, velocity, spin, work) ? 1 : 0;
+    touching += touch_path(m, stiffness, lateral, velocity, spin, load, work) ? 1 : 0;
   }
   if (touching > 0) {
+    push_link(work, m.link.index, load, m.discs.partner);
     const double along = m.link.rotation.col(0).dot(m.center_from_link_W);
     const bool edge = std::abs(along) > 0.5 * m.track.pitch;
     count(work, edge ? (touching == 2 ? ContactCase::two_discs_on_edge : ContactCase::one_disc_on_edge)

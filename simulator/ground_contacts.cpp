@@ -22,7 +22,8 @@ struct Bristle {
 Bristle stretch(const GroundPoint& g, double x, double y, double vx, double vy, double ax, double ay, double normal) {
   const double k = g.track.bristle_stiffness, c = g.track.bristle_damping;
   Bristle bristle{-k * (x - ax) - c * vx, -k * (y - ay) - c * vy, ax, ay, false};
-  const double wanted = std::hypot(bristle.force_x, bristle.force_y), limit = g.friction * normal;
+  const double wanted = std::sqrt(bristle.force_x * bristle.force_x + bristle.force_y * bristle.force_y),
+               limit = g.friction * normal;
   if (wanted > limit) {
     const double ratio = limit / wanted;
     bristle.force_x *= ratio;
@@ -42,7 +43,7 @@ void release(const GroundPoint& g, const History& before, Workspace& work) {
 }
 
 void touch_ground(const GroundPoint& g, const LinkView& link, const Vector3d& point_L, const History& before,
-                  History& after, Workspace& work) {
+                  History& after, LinkLoad& load, Workspace& work) {
   const CompiledTrack& track = g.track;
   const Vector3d arm = link.rotation * point_L, point = link.position + arm;
   const int row = g.row, i = g.link;
@@ -61,7 +62,7 @@ void touch_ground(const GroundPoint& g, const LinkView& link, const Vector3d& po
   after.stretch_x[row][i] = point.x() - b.anchor_x;
   after.stretch_y[row][i] = point.y() - b.anchor_y;
   after.anchored[row][i] = 1.0;
-  push_link(work, i, arm, Vector3d(b.force_x, b.force_y, normal), Partner::ground);
+  load.add(arm, Vector3d(b.force_x, b.force_y, normal));
   ++work.case_count[static_cast<std::size_t>(ContactCase::ground_point)];
 
   const double k = track.bristle_stiffness, c = track.bristle_damping;
@@ -95,10 +96,12 @@ void ground_contacts(const System& system, const History& before, State& state, 
       const int i = track.offset + first;
       if (state.position[2][i] > near + track.half_width * std::abs(work.rotation[7][i])) continue;
       const LinkView link = view_link(state, work, i);
+      LinkLoad load;
       for (std::size_t p = 0; p < track.ground_points.size(); ++p) {
         touch_ground({track, system.ground_friction, static_cast<int>(p), i}, link, track.ground_points[p], before,
-                     state.history, work);
+                     state.history, load, work);
       }
+      push_link(work, i, load, Partner::ground);
     }
   }
 }

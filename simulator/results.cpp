@@ -13,27 +13,6 @@
 namespace grouser {
 namespace {
 
-struct Interval {
-  double from = 0.0, to = 0.0;
-};
-
-/// Longest stretch of the run with both sprockets at a constant speed other than zero.
-std::optional<Interval> steady_drive(const Scenario& scenario) {
-  std::vector<double> corners{0.0, scenario.duration};
-  for (const DriveTable& table : scenario.drive) corners.insert(corners.end(), table.time.begin(), table.time.end());
-  std::sort(corners.begin(), corners.end());
-  std::optional<Interval> best;
-  for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
-    const double from = std::max(0.0, corners[i]), to = std::min(scenario.duration, corners[i + 1]);
-    if (to - from < 0.5) continue;
-    const double mid = 0.5 * (from + to);
-    const DriveMotion l = drive_motion(scenario.drive[0], mid), r = drive_motion(scenario.drive[1], mid);
-    if (l.acceleration != 0.0 || r.acceleration != 0.0 || (l.speed == 0.0 && r.speed == 0.0)) continue;
-    if (!best || to - from > best->to - best->from) best = Interval{from, to};
-  }
-  return best;
-}
-
 double mean_over(const std::vector<double>& time, const std::vector<double>& value, const Interval& span) {
   double sum = 0.0;
   int count = 0;
@@ -131,6 +110,28 @@ void turn_results(const System& system, const RunSeries& series, const Interval&
                "m", "way of the chassis origin");
 }
 
+/// The paper's Fig. 4 statement, and how far the rubber was driven beyond what was identified.
+void step_results(const RunSeries& series, Sheet& sheet) {
+  if (series.rest_steps.count == 0 || series.steady_steps.count == 0) return;
+  sheet.result("rest_mean_step_s", series.rest_steps.mean(), "s", "mean step while the sprockets are nearly still");
+  sheet.result("steady_mean_step_s", series.steady_steps.mean(), "s", "mean step while the sprockets hold their speed");
+  const double ratio = series.steady_steps.mean() / series.rest_steps.mean();
+  sheet.check("Mean step at speed over mean step at rest", ratio, "1", "under 1 (the paper's observation)",
+              ratio < 1.0);
+}
+
+void range_results(const System& system, const RunSeries& series, Sheet& sheet) {
+  for (int a = 0; a < k_num_axes; ++a) {
+    const auto& valid = system.scenario.bushing.axes[static_cast<std::size_t>(a)].valid;
+    if (!valid || valid->amplitude <= 0.0) continue;
+    const double largest = series.largest_deflection[static_cast<std::size_t>(a)];
+    sheet.result(
+        fmt::format("bushing_{}_largest_over_identified", k_axis_names[static_cast<std::size_t>(a)]),
+        largest / valid->amplitude, "1",
+        "largest deflection of a bushing over the largest one that was measured; above 1 the law is a straight line");
+  }
+}
+
 void track_results(const RunSeries& series, Sheet& sheet) {
   sheet.result("largest_tension_N", series.largest_tension, "N", "in any bushing at any step");
   sheet.result("least_tension_N", series.least_tension, "N", "in any bushing at any step");
@@ -150,6 +151,22 @@ void track_results(const RunSeries& series, Sheet& sheet) {
 }
 
 }  // namespace
+
+std::optional<Interval> steady_drive(const Scenario& scenario) {
+  std::vector<double> corners{0.0, scenario.duration};
+  for (const DriveTable& table : scenario.drive) corners.insert(corners.end(), table.time.begin(), table.time.end());
+  std::sort(corners.begin(), corners.end());
+  std::optional<Interval> best;
+  for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
+    const double from = std::max(0.0, corners[i]), to = std::min(scenario.duration, corners[i + 1]);
+    if (to - from < 0.5) continue;
+    const double mid = 0.5 * (from + to);
+    const DriveMotion l = drive_motion(scenario.drive[0], mid), r = drive_motion(scenario.drive[1], mid);
+    if (l.acceleration != 0.0 || r.acceleration != 0.0 || (l.speed == 0.0 && r.speed == 0.0)) continue;
+    if (!best || to - from > best->to - best->from) best = Interval{from, to};
+  }
+  return best;
+}
 
 SpectralLine spectral_line(const std::vector<double>& time, const std::vector<double>& value, double from, double to,
                            double frequency) {
@@ -207,7 +224,9 @@ void add_results(const System& system, const Assembled& assembled, const RunSeri
       }
     }
   }
+  step_results(series, sheet);
   track_results(series, sheet);
+  range_results(system, series, sheet);
   sheet.check("Energy residual over the integral of |sprocket power|", book.residual_fraction(), "1", "under 1e-3",
               book.residual_fraction() < 1e-3);
   sheet.result("final_speed_m_per_s", series.speed.empty() ? 0.0 : series.speed.back(), "m/s",

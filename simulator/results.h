@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "model/run.h"
@@ -13,10 +14,17 @@ struct RunSeries {
   std::vector<double> time, x, y, yaw, speed, yaw_rate;  ///< chassis origin, W
   std::vector<double> ground_force;                      ///< N, vertical, all links
   std::array<std::vector<double>, k_num_sides> upper_tension;
-  std::vector<double> probe_time;                     ///< s, at the probe rate
-  std::vector<double> probe_torque;                   ///< N m, left sprocket
-  double largest_tension = 0.0, least_tension = 0.0;  ///< N, any joint, any step
-  double largest_guide_offset = 0.0;                  ///< m
+  std::vector<double> probe_time;    ///< s, at the probe rate
+  std::vector<double> probe_torque;  ///< N m, left sprocket
+  struct StepSum {
+    double time = 0.0;
+    long count = 0;
+    [[nodiscard]] double mean() const { return count > 0 ? time / static_cast<double>(count) : 0.0; }
+  };
+  StepSum rest_steps, steady_steps;                     ///< sprockets nearly still; holding their speed
+  std::array<double, k_num_axes> largest_deflection{};  ///< m, rad; |deflection of one bushing| from its free state
+  double largest_tension = 0.0, least_tension = 0.0;    ///< N, any joint, any step
+  double largest_guide_offset = 0.0;                    ///< m
   std::array<double, k_num_sides> skipped_teeth{};
   std::array<double, k_num_contact_cases> case_total{};  ///< summed over samples
 };
@@ -24,6 +32,12 @@ struct RunSeries {
 /// Named scalars and checks of a run; which ones depends on what was driven (cruise, turn, stop, rest).
 void add_results(const System& system, const Assembled& assembled, const RunSeries& series, const EnergyBook& book,
                  RunSummary& summary);
+
+/// Longest stretch of a scenario, of half a second at least, with both sprockets at a constant speed other than zero.
+struct Interval {
+  double from = 0.0, to = 0.0;
+};
+[[nodiscard]] std::optional<Interval> steady_drive(const Scenario& scenario);
 
 /// Amplitude of a line at `frequency` [Hz] in samples from..to of a series (Hann window), and of its background (median
 /// over

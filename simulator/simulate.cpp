@@ -6,10 +6,12 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "model/errors.h"
 #include "simulator/assembly.h"
 #include "simulator/channels.h"
+#include "simulator/drive.h"
 #include "simulator/results.h"
 #include "simulator/track_watch.h"
 
@@ -71,6 +73,10 @@ class Run {
                   ToothCounter(system, assembled.state, Side::right)} {
     series_.least_tension = std::numeric_limits<double>::infinity();
     series_.largest_tension = -std::numeric_limits<double>::infinity();
+    steady_ = steady_drive(system.scenario);
+    for (const DriveTable& table : system.scenario.drive) {
+      for (const double speed : table.speed) largest_rate_ = std::max(largest_rate_, std::abs(speed));
+    }
     record(snapshot(), snapshot());
   }
 
@@ -116,6 +122,7 @@ class Run {
 
  private:
   static constexpr double k_largest_residual = 1e-3;
+  static constexpr double k_still_share = 0.02;  // of the largest sprocket speed
 
   [[nodiscard]] Snapshot snapshot() const {
     return {stepper_.state(), stepper_.work(), stepper_.acceleration(), book_};
@@ -135,7 +142,8 @@ class Run {
     const std::array<double, 4> step{stepper_.state().time, stepper_.last_step(), stepper_.last_error(),
                                      static_cast<double>(stepper_.last_limit())};
     writer_.append(static_cast<std::size_t>(RunTable::steps), step);
-    watch_tensions();
+    watch_steps();
+    watch_bushings();
     return watch_track(summary);
   }
 
@@ -168,12 +176,30 @@ class Run {
     return {ground[2], static_cast<std::size_t>(ground.length())};
   }
 
-  void watch_tensions() {
+  /// Steps at rest and at a held speed apart (the paper's Fig. 4).
+  void watch_steps() {
+    const double t = stepper_.state().time, h = stepper_.last_step();
+    double rate = 0.0;
+    for (const DriveTable& table : system_.scenario.drive)
+      rate = std::max(rate, std::abs(drive_motion(table, t).speed));
+    if (rate <= k_still_share * largest_rate_) series_.rest_steps.time += h, ++series_.rest_steps.count;
+    if (steady_ && t > steady_->from && t <= steady_->to) series_.steady_steps.time += h, ++series_.steady_steps.count;
+  }
+
+  void watch_bushings() {
     for (const CompiledTrack& track : system_.tracks) {
       const double* tension = stepper_.work().bushing_force[0] + track.offset;
       const auto [low, high] = std::minmax_element(tension, tension + track.num_links);
       series_.least_tension = std::min(series_.least_tension, *low);
       series_.largest_tension = std::max(series_.largest_tension, *high);
+      for (int a = 0; a < k_num_axes; ++a) {
+        const double free = a == index_of(Axis::ry) ? track.free_twist : 0.0;
+        double& largest = series_.largest_deflection[static_cast<std::size_t>(a)];
+        const double* deflection = stepper_.work().deflection[a] + track.offset;
+        for (int i = 0; i < track.num_links; ++i) {
+          largest = std::max(largest, std::abs(deflection[i] - free) / track.bushings_in_series);
+        }
+      }
     }
   }
 
@@ -233,6 +259,8 @@ class Run {
   Sampler samples_, probes_;
   std::array<ToothCounter, k_num_sides> counters_;
   RunSeries series_;
+  std::optional<Interval> steady_;
+  double largest_rate_ = 0.0;  // rad/s, of any sprocket
   struct {
     long accepted = 0;
     double min = 1.0, mean = 0.0, max = 0.0;

@@ -13,7 +13,9 @@ struct PinMeeting {
 /// Force on the pin, minus it on the sprocket, at one common point; counts towards the step's bound.
 void push_pin(const PinMeeting& m, const Vector3d& force, double stiffness, double damping, Workspace& work) {
   const CompiledTrack& track = m.track;
-  push_link(work, m.link.index, m.pin_from_link_W, force, Partner::sprocket);
+  LinkLoad load;
+  load.add(m.pin_from_link_W, force);
+  push_link(work, m.link.index, load, Partner::sprocket);
   work.chassis.add_force(track.sprocket.body, m.pin_from_base_W, -force);
   const double half = 0.5 * track.pitch, ring = track.sprocket.ring_offset;
   const double mobility = 1.0 / track.mass + half * half / track.inertia.y();
