@@ -84,7 +84,7 @@ json comparison_facts(const std::vector<RunFolder>& runs, const std::string& id,
       overlay(runs, "compare_torque", "Sprocket torque", "Drive torque of the right sprocket.", "Drive torque [kN m]",
               "/probes/time", [](const RunFolder& run) { return scaled(sprocket_torque(run, Side::right), 1e-3); })};
   for (const Figure& figure : figures)
-    if (!figure.panels.front().series.empty()) facts["figures"].push_back(figure_block(figure, id + "-" + figure.name));
+    if (!figure.panels.front().series.empty()) facts["figures"].push_back(figure_block(figure, id + "-figure-" + figure.name));
   return facts;
 }
 

@@ -148,7 +148,7 @@ json axis_facts(const FitFolder& folder, const AxisFit& axis, const std::string&
              {"law", law_facts(folder.bushing.axis(axis.axis), axis.axis)}};
   for (const std::optional<Figure>& figure :
        {figure_loops(fit, axis.axis), figure_backbone(axis), figure_dynamic_stiffness(fit, axis.axis)})
-    if (figure) facts["figures"].push_back(figure_block(*figure, id + "-" + figure->name));
+    if (figure) facts["figures"].push_back(figure_block(*figure, id + "-figure-" + figure->name));
   for (const TestFit& test : fit.tests)
     if (test.axis == axis.axis) facts["tests"].push_back(test_facts(test));
   for (const FitParameter& parameter : axis.parameters) facts["parameters"].push_back(parameter_facts(parameter));

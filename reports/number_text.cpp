@@ -65,7 +65,9 @@ std::string number_text(double value, int digits) {
     const std::size_t e = scientific.find('e');
     return sign + scientific.substr(0, e) + " × 10" + superscript(std::atoi(scientific.c_str() + e + 1));
   }
-  const int decimals = std::max(0, digits - 1 - static_cast<int>(std::floor(std::log10(magnitude))));
+  // The exponent after rounding: 0.99997 to four digits is 1.000.
+  const std::string rounded = fmt::format("{:.{}e}", magnitude, digits - 1);
+  const int decimals = std::max(0, digits - 1 - std::atoi(rounded.c_str() + rounded.find('e') + 1));
   std::string text = fmt::format("{:.{}f}", magnitude, decimals);
   // Zeros of a rounded number are digits (13.98 is 14.0 to three); those of an exact one are padding.
   if (text.find('.') != std::string::npos && std::strtod(text.c_str(), nullptr) == magnitude) {

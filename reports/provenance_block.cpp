@@ -17,7 +17,7 @@ json labelled_quantity(const std::string& label, double value, const std::string
 
 json provenance_facts(const Provenance& provenance, const std::vector<std::string>& commands) {
   json facts{{"program", provenance.program},
-             {"version", provenance.version},
+             {"version", provenance.version}, {"hash", "SHA-256"},
              {"commands", commands},
              {"inputs", json::array()},
              {"options", json::array()}};

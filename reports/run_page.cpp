@@ -123,7 +123,7 @@ json section_facts(const RunFolder& run, const std::string& id) {
     for (const char* name : section.figures) {
       if (name == nullptr) continue;
       try {
-        figures.push_back(figure_block(make_run_figure(run, name), id + "-" + name));
+        figures.push_back(figure_block(make_run_figure(run, name), id + "-figure-" + name));
       } catch (const InputError& error) {
         const InputFinding& finding = error.findings().front();
         left_out.push_back(fmt::format("The figure “{}” is left out: the run holds no {}.", name, finding.place));

@@ -1,0 +1,217 @@
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "model/errors.h"
+#include "model/provenance.h"
+#include "reports/assets.h"
+#include "reports/report.h"
+#include "tests/support/mock_run.h"
+#include "tests/support/temporary_folder.h"
+
+namespace grouser {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+/// What a reader sees: the page without scripts, styles and tags, entities undone.
+std::string visible_text(const std::string& html) {
+  std::string text;
+  for (std::size_t i = html.find("<body"); i < html.size(); ++i) {
+    for (const std::string tag : {"script", "style"})
+      if (html.compare(i, tag.size() + 1, "<" + tag) == 0) i = html.find("</" + tag, i);
+    if (html[i] == '<') {
+      i = html.find('>', i);
+      text += ' ';
+    } else {
+      text += html[i];
+    }
+  }
+  for (const auto& [entity, plain] :
+       {std::pair("&lt;", "<"), {"&gt;", ">"}, {"&quot;", "\""}, {"&#39;", "'"}, {"&apos;", "'"}, {"&amp;", "&"}})
+    for (std::size_t at = 0; (at = text.find(entity, at)) != std::string::npos;)
+      text.replace(at, std::string(entity).size(), plain);
+  return text;
+}
+
+void gather_strings(const nlohmann::json& value, std::string& all) {
+  if (value.is_string()) all += value.get<std::string>() + "\n";
+  if (value.is_structured())
+    for (const nlohmann::json& item : value) gather_strings(item, all);
+}
+
+class Pages : public testing::Test {
+ protected:
+  void SetUp() override {
+    mock::write_run(folder_ / "run_a", {.name = "Run A"});
+    mock::write_run(folder_ / "run_b", {.name = "Run B", .turn = true, .failing_check = true});
+    mock::write_fit_folder(folder_ / "identification");
+  }
+  std::string report(const std::vector<std::string>& names) {
+    std::vector<std::filesystem::path> folders;
+    for (const std::string& name : names) folders.push_back(folder_ / name);
+    write_report(folders, folder_ / "report.html");
+    return read_whole(folder_ / "report.html");
+  }
+  nlohmann::json twin() { return nlohmann::json::parse(read_whole(folder_ / "report.json")); }
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(Pages, EveryNumberOfAReportStandsInItsTwin) {
+  for (const std::vector<std::string>& folders :
+       {std::vector<std::string>{"run_a"}, {"identification"}, {"run_a", "run_b", "identification"}}) {
+    const std::string text = visible_text(report(folders));
+    std::string known;
+    gather_strings(twin(), known);
+    const std::regex number(R"([0-9]+([.,][0-9]+)?)");
+    int count = 0;
+    for (std::sregex_iterator it(text.begin(), text.end(), number), end; it != end; ++it, ++count)
+      EXPECT_THAT(known, HasSubstr(it->str()))
+          << text.substr(static_cast<std::size_t>(std::max<long>(0, it->position() - 40)), 90);
+    EXPECT_GT(count, 50);
+  }
+}
+
+TEST_F(Pages, TwinHoldsTheValuesInSi) {
+  report({"run_a"});
+  const nlohmann::json run = twin()["runs"][0];
+  EXPECT_EQ(run["checks"][0]["value"], 13.98);
+  EXPECT_EQ(run["checks"][0]["pass"], true);
+  EXPECT_EQ(run["synthetic"][0], "Mock data, made up for a test, seed 1.");
+}
+
+TEST_F(Pages, VerdictAndChecksComeFirstAndTellTheFailure) {
+  const std::string text = visible_text(report({"run_b"}));
+  EXPECT_THAT(text, HasSubstr("1 of 2 checks fail"));
+  EXPECT_LT(text.find("1 of 2 checks fail"), text.find("Bushing between links"));
+}
+
+TEST_F(Pages, SyntheticDataIsSaidAtTheTop) {
+  for (const char* folder : {"run_a", "identification"}) {
+    const std::string text = visible_text(report({folder}));
+    ASSERT_NE(text.find("Synthetic data"), std::string::npos) << folder;
+    EXPECT_LT(text.find("Synthetic data"), text.find("Measured")) << folder;
+  }
+}
+
+TEST_F(Pages, NamesStayText) {
+  const std::string evil = "<script>alert(1)</script>\"'&{{title}}";
+  mock::write_run(folder_ / "evil", {.name = evil, .vehicle_name = evil});
+  const std::string html = report({"evil"});
+  EXPECT_THAT(html, Not(HasSubstr("<script>alert(1)")));
+  EXPECT_THAT(visible_text(html), HasSubstr(evil));
+  EXPECT_EQ(twin()["runs"][0]["title"], evil);
+}
+
+TEST_F(Pages, AsksNothingOfAnyNetwork) {
+  const std::string html = report({"run_a", "run_b", "identification"});
+  const std::regex fetch(
+      R"((src|href|action|poster|data|srcset)\s*=\s*["']?(https?:)?//|url\(\s*["']?(https?:)?//|@import|fetch\(|XMLHttpRequest|importScripts|new WebSocket|navigator\.sendBeacon)");
+  std::smatch match;
+  // Base64 payloads hold no quotes or parentheses, so only markup and scripts can match.
+  EXPECT_FALSE(std::regex_search(html, match, fetch)) << match.str();
+}
+
+TEST_F(Pages, SameFoldersGiveTheSameBytes) {
+  const std::string first = report({"run_a"});
+  EXPECT_TRUE(first == report({"run_a"}));
+}
+
+TEST_F(Pages, HeadingsDescendInOrder) {
+  for (const std::vector<std::string>& folders :
+       {std::vector<std::string>{"run_a"}, {"identification", "run_a", "run_b"}}) {
+    const std::string html = report(folders);
+    const std::regex heading("<h([1-6])>");
+    int last = 0, first_level = 0;
+    for (std::sregex_iterator it(html.begin(), html.end(), heading), end; it != end; ++it) {
+      const int level = std::stoi((*it)[1]);
+      first_level += level == 1 ? 1 : 0;
+      EXPECT_LE(level, last + 1);
+      last = level;
+    }
+    EXPECT_EQ(first_level, 1);
+  }
+}
+
+TEST_F(Pages, EveryPictureHasATextAlternative) {
+  const std::string html = report({"run_a", "identification"});
+  const std::regex picture(R"(<img [^>]{0,4000}?src=)");
+  int count = 0;
+  for (std::sregex_iterator it(html.begin(), html.end(), picture), end; it != end; ++it, ++count)
+    EXPECT_TRUE(std::regex_search(it->str(), std::regex(R"(alt="[^"]{10,})"))) << it->str();
+  EXPECT_GT(count, 10);
+}
+
+TEST_F(Pages, FiguresWithoutDataAreLeftOutWithASentence) {
+  mock::write_run(folder_ / "bare", {.probes = false});
+  const std::string text = visible_text(report({"bare"}));
+  EXPECT_THAT(text, HasSubstr("is left out"));
+  EXPECT_THAT(text, HasSubstr("Step size of the integrator"));
+}
+
+TEST_F(Pages, SeveralRunsAreCompared) {
+  const std::string text = visible_text(report({"run_a", "run_b"}));
+  EXPECT_THAT(text, HasSubstr("Comparison"));
+  EXPECT_THAT(text, HasSubstr("Tension of the upper run"));
+}
+
+TEST_F(Pages, ElementIdsStandOnce) {
+  const std::string html = report({"run_a", "run_b", "identification"});
+  std::set<std::string> seen;
+  const std::regex id(R"( id="([^"]{1,80})\")");
+  for (std::sregex_iterator it(html.begin(), html.end(), id), end; it != end; ++it)
+    EXPECT_TRUE(seen.insert((*it)[1]).second) << (*it)[1];
+  const std::regex link(R"(href="#([^"]{1,80})\")");
+  for (std::sregex_iterator it(html.begin(), html.end(), link), end; it != end; ++it)
+    EXPECT_TRUE(seen.contains((*it)[1])) << (*it)[1];
+}
+
+TEST_F(Pages, ChartsAreThereOrDrawnPlotsInTheirPlace) {
+  const std::string html = report({"run_a"});
+  if (has_interactive_charts()) {
+    EXPECT_THAT(html, HasSubstr("data-values=\"run1-figure-tension\""));
+    EXPECT_THAT(html, HasSubstr("class=\"print\""));
+  } else {
+    EXPECT_THAT(html, Not(HasSubstr("data-values=")));
+    EXPECT_THAT(html, HasSubstr("id=\"run1-figure-tension\""));
+    EXPECT_THAT(html, HasSubstr("class=\"on-dark\""));
+  }
+}
+
+TEST_F(Pages, AFolderThatIsNeitherIsNamed) {
+  std::filesystem::create_directory(folder_ / "empty");
+  try {
+    report({"run_a", "empty"});
+    FAIL() << "an empty folder was reported";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("empty"));
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "report.html"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "report.json"));
+}
+
+TEST_F(Pages, AnUnwritableTargetIsAFileError) {
+  EXPECT_THROW(write_report({folder_ / "run_a"}, folder_ / "no such folder" / "report.html"), FileError);
+}
+
+TEST_F(Pages, IndexLinksEveryFolderRelatively) {
+  write_report({folder_ / "run_a"}, folder_ / "run_a" / "report.html");
+  write_index(folder_.path());
+  const std::string html = read_whole(folder_ / "index.html");
+  for (const char* link : {"href=\"run_a/report.html\"", "href=\"run_b/report.html\"",
+                           "href=\"identification/report.html\"", "href=\"run_a/report.json\""})
+    EXPECT_THAT(html, HasSubstr(link));
+  EXPECT_THAT(html, Not(HasSubstr(folder_.path().string())));
+  EXPECT_THAT(visible_text(html), HasSubstr("Synthetic data"));
+}
+
+TEST_F(Pages, IndexOfAFolderWithoutResultsIsRefused) {
+  test::TemporaryFolder nothing;
+  EXPECT_THROW(write_index(nothing.path()), InputError);
+}
+
+}  // namespace
+}  // namespace grouser
