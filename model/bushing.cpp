@@ -134,7 +134,11 @@ AxisLaw read_axis(ObjectReader& r, const AxisUnits& units) {
   return law;
 }
 
-double in_unit_of(const std::string& key, double value) { return split_name_and_unit(key)->unit.from_si(value); }
+double in_unit_of(const std::string& key, double value) {
+  if (!std::isfinite(value))
+    throw NumericalError("a bushing with a " + key + " that is no finite number cannot be written");
+  return split_name_and_unit(key)->unit.from_si(value);
+}
 
 void put(Json& object, const std::string& key, double value) { object[key] = in_unit_of(key, value); }
 

@@ -1,0 +1,40 @@
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "model/check.h"
+#include "model/errors.h"
+#include "model/provenance.h"
+#include "tests/model/temporary_folder.h"
+
+namespace grouser {
+namespace {
+
+/// What the check says, line by line.
+std::vector<std::string> verdict(const std::filesystem::path& file) {
+  try {
+    return {check_file(file)};
+  } catch (const InputError& error) {
+    std::vector<std::string> lines;
+    for (const InputFinding& finding : error.findings()) lines.push_back(finding.text());
+    return lines;
+  }
+}
+
+TEST(BrokenFiles, AreEachRefusedWithTheirOwnWords) {
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(test_data("broken"));
+  const auto expected = nlohmann::json::parse(read_whole("expected.json"));
+  EXPECT_GE(expected.size(), 25u);
+  for (const auto& [file, lines] : expected.items()) {
+    EXPECT_EQ(verdict(file), lines.get<std::vector<std::string>>()) << file;
+  }
+  std::filesystem::current_path(before);
+}
+
+TEST(BrokenFiles, ThatAreNotThereAreAnotherKindOfError) {
+  EXPECT_THROW(static_cast<void>(check_file(test_data("broken/absent.json"))), FileError);
+}
+
+}  // namespace
+}  // namespace grouser

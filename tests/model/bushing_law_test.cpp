@@ -1,0 +1,60 @@
+#include "model/bushing_law.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace grouser {
+namespace {
+
+TEST(FrictionStop, LoopAreaIsTheClosedForm) {
+  // A stop driven over +-X loses 4 k r (X - r) a cycle.
+  const double stiffness = 2e7, yield = 1e-4, amplitude = 5e-4, steps = 20000;
+  double z = 0.0, x = 0.0, work = 0.0;
+  for (int cycle = 0; cycle < 2; ++cycle) {
+    work = 0.0;
+    for (int i = 1; i <= steps; ++i) {
+      const double next = amplitude * std::sin(2.0 * 3.14159265358979323846 * i / steps);
+      const double z_next = advance_stop(z, next - x, yield);
+      work += 0.5 * stiffness * (z + z_next) * (next - x);
+      z = z_next;
+      x = next;
+    }
+  }
+  const double exact = 4.0 * stiffness * yield * (amplitude - yield);
+  EXPECT_NEAR(work, exact, 1e-3 * exact);  // trapezoid over the corners of the loop
+}
+
+TEST(FrictionStop, UpdateDoesNotDependOnHowAMonotoneStepIsDivided) {
+  double coarse = advance_stop(-8e-5, 1.3e-4, 1e-4), fine = -8e-5;
+  for (int i = 0; i < 130; ++i) fine = advance_stop(fine, 1e-6, 1e-4);
+  EXPECT_NEAR(coarse, fine, 1e-17);
+}
+
+TEST(MaxwellBranch, StepIsExactForAConstantRate) {
+  const MaxwellBranch branch{1e7, 0.02};
+  const double rate = 0.3, time = 0.05;
+  double force = 0.0;
+  for (const double h : {1e-2, 3e-2, 1e-2}) {
+    const MaxwellStep step = maxwell_step(branch, h);
+    force = step.decay * force + step.gain * rate * h;
+  }
+  const double exact =
+      branch.stiffness * branch.relaxation_time * rate * (1.0 - std::exp(-time / branch.relaxation_time));
+  EXPECT_NEAR(force, exact, 1e-13 * exact);
+}
+
+TEST(MaxwellBranch, DissipatesAtEveryRandomStep) {
+  std::mt19937 random(20261122);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  for (int i = 0; i < 1000; ++i) {
+    const MaxwellBranch branch{1e7, std::pow(10.0, 2.0 * uniform(random) - 2.0)};
+    const double force = 1e4 * uniform(random), dx = 1e-3 * uniform(random), h = 1e-4 * (1.0 + 0.9 * uniform(random));
+    const MaxwellStep step = maxwell_step(branch, h);
+    const double next = step.decay * force + step.gain * dx;
+    EXPECT_GE(maxwell_dissipation(branch, force, next, dx, h), -1e-12 * 1e4 * 1e-3);  // round-off of the work
+  }
+}
+
+}  // namespace
+}  // namespace grouser

@@ -1,0 +1,88 @@
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <csignal>
+
+#include "model/errors.h"
+#include "model/run.h"
+#include "tests/model/temporary_folder.h"
+
+namespace grouser {
+namespace {
+
+std::vector<ChannelTable> tables() {
+  return {{"samples",
+           {{"/time", "s", {}},
+            {"/tracks/left/link_position", "m", {76, 3}},
+            {"/tracks/left/contact_force/ground", "N", {76, 3}, true}}},
+          {"steps", {{"/steps/time", "s", {}}, {"/steps/size", "s", {}}}}};
+}
+
+/// Row i holds i, then i + its column.
+void append_rows(RunWriter& writer, int first, int count) {
+  std::vector<double> row(1 + 2 * 76 * 3);
+  for (int i = first; i < first + count; ++i) {
+    row[0] = i;
+    for (std::size_t c = 1; c < row.size(); ++c) row[c] = i + static_cast<double>(c);
+    writer.append(0, row);
+    writer.append(1, std::vector<double>{static_cast<double>(i), 1e-4});
+  }
+}
+
+TEST(RunChannels, ComeBackAsWritten) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "run.h5";
+  {
+    RunWriter writer(file, tables(), {{"/joints/names", {"left idler arm", "left idler"}}});
+    append_rows(writer, 0, 1500);  // several chunks and a part of one
+    writer.close();
+  }
+  const RunReader reader(file);
+  EXPECT_EQ(reader.datasets().size(), 6u);
+  EXPECT_TRUE(reader.has("/steps/size"));
+  EXPECT_FALSE(reader.has("/steps"));
+  EXPECT_FALSE(reader.has("/nothing/here"));
+  const Array position = reader.read("/tracks/left/link_position");
+  EXPECT_EQ(position.shape, (std::vector<std::size_t>{1500, 76, 3}));
+  EXPECT_EQ(position.unit, "m");
+  EXPECT_EQ(position.row(1499)[5], 1499.0 + 6.0);
+  EXPECT_EQ(reader.read_rows("/time", 700, 2).values, (std::vector<double>{700.0, 701.0}));
+  EXPECT_EQ(reader.read_column("/tracks/left/contact_force/ground", {75, 2}).at(10), 10.0 + 456.0);
+  EXPECT_EQ(reader.read_names("/joints/names"), (std::vector<std::string>{"left idler arm", "left idler"}));
+}
+
+TEST(RunChannels, RefuseWhatIsNotThere) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "run.h5";
+  RunWriter(file, tables(), {}).close();
+  const RunReader reader(file);
+  EXPECT_EQ(reader.read("/time").rows(), 0u);
+  EXPECT_THROW(static_cast<void>(reader.read("/velocity")), FileError);
+  EXPECT_THROW(static_cast<void>(reader.read_rows("/time", 0, 1)), FileError);
+  EXPECT_THROW(static_cast<void>(reader.read_column("/tracks/left/link_position", {76, 0})), FileError);
+  EXPECT_THROW(RunReader(folder.write("text.h5", "not HDF5")), FileError);
+}
+
+TEST(RunChannels, OfAKilledRunAreReadableUpToTheLastFlush) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "run.h5";
+  const pid_t child = ::fork();
+  if (child == 0) {
+    RunWriter writer(file, tables(), {});
+    append_rows(writer, 0, 1000);
+    writer.flush();
+    append_rows(writer, 1000, 900);  // partly written, never flushed
+    ::kill(::getpid(), SIGKILL);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  const RunReader reader(file);
+  ASSERT_GE(reader.read("/time").rows(), 1000u);
+  EXPECT_EQ(reader.read_column("/tracks/left/link_position", {0, 0}).at(999), 1000.0);
+  EXPECT_EQ(reader.read_column("/tracks/left/contact_force/ground", {75, 2}).at(999), 999.0 + 456.0);
+  EXPECT_GE(reader.read("/steps/time").rows(), 1000u);
+}
+
+}  // namespace
+}  // namespace grouser

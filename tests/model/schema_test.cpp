@@ -1,0 +1,172 @@
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdio>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "model/check.h"
+#include "model/errors.h"
+#include "model/fit.h"
+#include "model/provenance.h"
+#include "model/run.h"
+#include "tests/model/temporary_folder.h"
+
+/// The published schemas against the readers: what one accepts the other accepts, what one refuses the other refuses.
+namespace grouser {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Mutation {
+  const char* kind;
+  const char* name;
+  std::function<void(Json&)> apply;
+};
+
+void rename(Json& object, const char* from, const char* to) {
+  object[to] = object.at(from);
+  object.erase(from);
+}
+
+/// Every one of them is a mistake that people make.
+const std::vector<Mutation>& mutations() {
+  static const std::vector<Mutation> list{
+      {"bushing", "unknown_key", [](Json& j) { j["color"] = "red"; }},
+      {"bushing", "wrong_unit", [](Json& j) { rename(j["axes"]["x"]["stiffness"], "force_kN", "force_mm"); }},
+      {"bushing", "no_unit", [](Json& j) { rename(j["axes"]["x"]["stiffness"], "displacement_mm", "displacement"); }},
+      {"bushing", "missing_force", [](Json& j) { j["axes"]["x"]["stiffness"].erase("force_kN"); }},
+      {"bushing", "text_for_number", [](Json& j) { j["axes"]["x"]["stiffness"]["force_kN"][0] = "1"; }},
+      {"bushing", "one_point",
+       [](Json& j) {
+         j["axes"]["x"]["stiffness"] = {{"displacement_mm", {1}}, {"force_kN", {1}}};
+       }},
+      {"bushing", "negative_viscous", [](Json& j) { j["axes"]["x"]["viscous_N_s_per_m"] = -1; }},
+      {"bushing", "unknown_axis", [](Json& j) { j["axes"]["rw"] = j["axes"]["rx"]; }},
+      {"bushing", "other_format", [](Json& j) { j["format"] = "grouser.bushing/2"; }},
+      {"vehicle", "negative_pitch", [](Json& j) { j["left"]["track"]["pitch_mm"] = -194; }},
+      {"vehicle", "half_a_link", [](Json& j) { j["left"]["track"]["links"] = 76.5; }},
+      {"vehicle", "five_points", [](Json& j) { j["left"]["track"]["link"]["ground_points_mm"].erase(0); }},
+      {"vehicle", "flat_point", [](Json& j) { j["left"]["idler"]["pivot_m"].erase(0); }},
+      {"vehicle", "unknown_suspension",
+       [](Json& j) { j["left"]["stations"][0]["suspension"]["kind"] = "leaf_spring"; }},
+      {"vehicle", "bouncing_ball", [](Json& j) { j["left"]["sprocket"]["contact"]["restitution"] = 1.2; }},
+      {"vehicle", "no_right_side", [](Json& j) { j.erase("right"); }},
+      {"vehicle", "colour_by_name", [](Json& j) { j["visual"]["parts"][0]["color"] = "green"; }},
+      {"scenario", "no_duration", [](Json& j) { j.erase("duration_s"); }},
+      {"scenario", "duration_in_metres", [](Json& j) { rename(j, "duration_s", "duration_m"); }},
+      {"scenario", "beta_too_large", [](Json& j) { j["integrator"]["beta"] = 1.1; }},
+      {"scenario", "probe_of_the_middle", [](Json& j) { j["output"]["probes"][0]["side"] = "middle"; }},
+      {"scenario", "one_sided_drive", [](Json& j) { j["drive"].erase("left"); }},
+      {"rig", "no_tests", [](Json& j) { j["tests"] = Json::array(); }},
+      {"rig", "unknown_axis", [](Json& j) { j["tests"][0]["axis"] = "w"; }},
+      {"rig", "rate_is_a_length", [](Json& j) { j["tests"][0]["rate_mm"] = 2; }},
+      {"rig", "no_bushing", [](Json& j) { j["specimen"]["bushings_in_series"] = 0; }},
+      {"rig", "blind_sensor",
+       [](Json& j) {
+         j["sensors"]["force"] = {{"column", "force_kN"}};
+       }},
+      {"fit", "negative_count", [](Json& j) { j["tests"][0]["cycles"] = -1; }},
+      {"fit", "measure_of_another_axis",
+       [](Json& j) { rename(j["tests"][0], "effective_stiffness_N_per_m", "effective_stiffness_N_m_per_rad"); }},
+      {"fit", "no_solver", [](Json& j) { j["axes"]["x"].erase("solver"); }},
+      {"run", "unknown_status", [](Json& j) { j["status"] = "finished"; }},
+      {"run", "no_energy", [](Json& j) { j.erase("energy"); }},
+      {"run", "worded_result", [](Json& j) { j["results"]["cruise_speed_m_per_s"] = "fast"; }},
+  };
+  return list;
+}
+
+FitRecord small_fit() {
+  FitRecord fit;
+  fit.specimen = "s";
+  fit.tests.resize(1);
+  fit.tests[0].name = "t";
+  fit.tests[0].per_cycle.resize(1);
+  fit.axes.resize(1);
+  fit.axes[0].parameters.resize(1);
+  return fit;
+}
+
+RunSummary small_run() {
+  RunSummary run;
+  run.results.push_back({"cruise_speed_m_per_s", 13.9, "m/s", "mean"});
+  run.checks.push_back({"c", 1.0, "", "", true});
+  return run;
+}
+
+/// Documents that are right, one of each kind.
+std::map<std::string, Json> valid_documents(const TemporaryFolder& folder) {
+  std::map<std::string, Json> documents;
+  const auto parsed = [](const std::filesystem::path& file) { return Json::parse(read_whole(file)); };
+  documents["bushing"] = parsed(test_data("broken/good_bushing.json"));
+  documents["vehicle"] = parsed(test_data("vehicles/reference.json"));
+  documents["scenario"] = parsed(test_data("scenarios/run_a.json"));
+  documents["scenario"]["vehicle"] = test_data("vehicles/reference.json").string();
+  documents["scenario"]["bushing"] = test_data("broken/good_bushing.json").string();
+  folder.write("loop.csv", "time_s,displacement_mm,force_kN\n0,0,0\n1,1,1\n");
+  documents["rig"] = Json::parse(R"({"format": "grouser.rig/1", "specimen": {"name": "s", "bushings_in_series": 2},
+      "rig_compliance_mm_per_kN": 0.001, "synthetic": {"note": "n", "seed": 1, "truth": {}},
+      "tests": [{"name": "t", "axis": "x", "kind": "cyclic", "file": "loop.csv", "frequency_Hz": 1, "amplitude_mm": 1}]})");
+  write_fit(small_fit(), folder.path() / "written");
+  documents["fit"] = parsed(folder.path() / "written");
+  write_run_summary(small_run(), folder.path() / "written");
+  documents["run"] = parsed(folder.path() / "written");
+  return documents;
+}
+
+bool reader_accepts(const std::filesystem::path& file) {
+  try {
+    static_cast<void>(check_file(file));
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+/// Names that the schemas accept; nullopt without a Python that knows jsonschema.
+std::optional<std::set<std::string>> accepted_by_schemas(const std::filesystem::path& folder) {
+  const std::filesystem::path source = GROUSER_SOURCE_DIR;
+  for (const std::string python : {GROUSER_PYTHON, "/usr/bin/python3"}) {
+    if (std::system((python + " -c 'import jsonschema' 2>/dev/null").c_str()) != 0) continue;
+    const std::string command = python + " " + (source / "tests/model/validate.py").string() + " " +
+                                (source / "docs/schema").string() + " " + folder.string();
+    FILE* pipe = ::popen(command.c_str(), "r");
+    std::set<std::string> names;
+    std::array<char, 256> line{};
+    while (pipe != nullptr && std::fgets(line.data(), line.size(), pipe) != nullptr) {
+      const std::string name = line.data();
+      names.insert(name.substr(0, name.find('\n')));
+    }
+    if (pipe != nullptr) ::pclose(pipe);
+    return names;
+  }
+  return std::nullopt;
+}
+
+TEST(Schemas, JudgeLikeTheReaders) {
+  const TemporaryFolder folder;
+  auto documents = valid_documents(folder);
+  std::set<std::string> right, wrong;
+  for (const auto& [kind, document] : documents) {
+    right.insert(kind + ".right.json");
+    folder.write(kind + ".right.json", document.dump());
+  }
+  for (const Mutation& mutation : mutations()) {
+    Json document = documents.at(mutation.kind);
+    mutation.apply(document);
+    const std::string name = std::string(mutation.kind) + "." + mutation.name + ".json";
+    wrong.insert(name);
+    folder.write(name, document.dump());
+  }
+  EXPECT_GE(wrong.size(), 20u);
+  for (const std::string& name : right) EXPECT_TRUE(reader_accepts(folder.path() / name)) << name;
+  for (const std::string& name : wrong) EXPECT_FALSE(reader_accepts(folder.path() / name)) << name;
+  const auto accepted = accepted_by_schemas(folder.path());
+  if (!accepted) GTEST_SKIP() << "no Python with jsonschema (Debian package python3-jsonschema)";
+  EXPECT_EQ(*accepted, right);
+}
+
+}  // namespace
+}  // namespace grouser
