@@ -38,8 +38,8 @@ Result run(const Options& options, Console& console) {
                                      summary.counts.bodies, summary.counts.revolute_joints, summary.counts.bushings,
                                      summary.counts.degrees_of_freedom));
   for (const RunCheck& check : summary.checks) {
-    result.lines.push_back(fmt::format("{} {}: {:.5g} {} ({})", check.pass ? "pass" : "FAIL", check.name, check.value,
-                                       check.unit, check.limit));
+    result.lines.push_back(fmt::format("{} {}: {:.5g}{} ({})", check.pass ? "pass" : "FAIL", check.name, check.value,
+                                       check.unit == "1" ? "" : " " + check.unit, check.limit));
   }
   for (const char* name : {"run.h5", "run.json"}) {
     result.lines.push_back((folder / name).string());

@@ -15,9 +15,9 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 std::vector<std::string> simulate(const fs::path& folder, const std::string& duration) {
-  return {"simulate", GROUSER_SOURCE_DIR "/test_data/scenarios/run_a.json", "-o", folder.string(),
-          // A short settling: these tests look at the command, not at the rest state.
-          "--set", "assembly.settle_time_s=1.6", "--set", "duration_s=" + duration};
+  return {"simulate", GROUSER_SOURCE_DIR "/test_data/scenarios/run_a.json",
+          "-o",       folder.string(),
+          "--set",    "duration_s=" + duration};
 }
 
 class Interrupted : public ::testing::TestWithParam<int> {};
@@ -26,7 +26,7 @@ TEST_P(Interrupted, RunKeepsWhatItComputed) {
   const TemporaryFolder folder;
   CommandControl control;
   control.signal = GetParam();
-  control.signal_after = " 20 %";  // well inside the run, whose settling is over
+  control.signal_after = " of 17 s";  // assembly is over
   const CommandOutput output = grouser(simulate(folder / "run", "17"), control);
   EXPECT_EQ(output.exit_code, 130) << output.err;
 
@@ -40,6 +40,17 @@ TEST_P(Interrupted, RunKeepsWhatItComputed) {
   EXPECT_NEAR(time.values.back(), run.summary.simulated_time, 0.011);
 }
 
+TEST_P(Interrupted, AssemblyLeavesNoRunBehind) {
+  const TemporaryFolder folder;
+  CommandControl control;
+  control.signal = GetParam();
+  control.signal_after = "assembly";
+  const CommandOutput output = grouser(simulate(folder / "run", "17"), control);
+  EXPECT_EQ(output.exit_code, 130) << output.err;
+  EXPECT_THAT(output.err, HasSubstr("interrupted"));
+  EXPECT_FALSE(fs::exists(folder / "run" / "run.json"));
+}
+
 INSTANTIATE_TEST_SUITE_P(BySignal, Interrupted, ::testing::Values(SIGINT, SIGTERM),
                          [](const auto& info) { return info.param == SIGINT ? "Sigint" : "Sigterm"; });
 
@@ -47,7 +58,7 @@ TEST(Progress, IsALineEveryTenthWhereThereIsNoTerminal) {
   const TemporaryFolder folder;
   const CommandOutput output = grouser(simulate(folder / "run", "0.1"));
   ASSERT_EQ(output.exit_code, 0) << output.err;
-  EXPECT_THAT(output.err, HasSubstr("grouser: simulate: 100 %"));
+  EXPECT_THAT(output.err, HasSubstr("grouser: simulate:  90 %"));
   EXPECT_EQ(output.err.find('\r'), std::string::npos);
   EXPECT_LE(std::count(output.err.begin(), output.err.end(), '\n'), 11);
 }

@@ -6,7 +6,7 @@ import subprocess
 import tempfile
 import unittest
 
-from command import COMMAND, SOURCE_DIR, SHORT_RUN
+from command import COMMAND, SHORT_RUN, SOURCE_DIR, run
 
 # Scripts that install, build and run everything have their own place in continuous integration.
 NOT_HERE = ("./demo.sh", "./test.sh")
@@ -21,6 +21,12 @@ def commands():
                 inside = line.strip() == "```sh"
             elif inside and line.strip() and not line.startswith("#"):
                 yield number, line.strip()
+
+
+def example_rig():
+    """The `json` block that shows a rig file."""
+    with open(os.path.join(SOURCE_DIR, "README.md"), encoding="utf-8") as file:
+        return re.search(r"```json\n(.*?)```", file.read(), re.DOTALL).group(1)
 
 
 def shortened(command):
@@ -48,6 +54,17 @@ class Readme(unittest.TestCase):
                 self.assertEqual(done.returncode, 0, f"README.md line {number}: {command}\n{done.stderr}")
                 ran += 1
         self.assertGreaterEqual(ran, 8, "README.md shows each subcommand")
+
+    def test_the_example_of_a_rig_file_is_one(self):
+        rig = example_rig()
+        with tempfile.TemporaryDirectory() as folder:
+            with open(os.path.join(folder, "rig.json"), "w", encoding="utf-8") as file:
+                file.write(rig)
+            for name in re.findall(r'"file": "([^"]+)"', rig):
+                with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
+                    file.write("time_s,lvdt_a_V,load_cell_V\n")
+                    file.writelines(f"{0.1 * i:.1f},{0.01 * i:.2f},{0.02 * i:.2f}\n" for i in range(20))
+            self.assertIn("2 tests", run("check", os.path.join(folder, "rig.json")).stdout)
 
 
 if __name__ == "__main__":
