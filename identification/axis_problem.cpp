@@ -164,6 +164,9 @@ AxisData gather(const std::vector<const PreparedTest*>& tests) {
     if (test->frequency > 0.0) data.lowest_frequency = std::min(data.lowest_frequency, test->frequency);
     data.highest_frequency = std::max(data.highest_frequency, test->frequency);
   }
+  const bool rate_known = std::ranges::all_of(tests, [](const PreparedTest* test) { return test->rate_known; });
+  if (!rate_known)
+    data.highest_frequency = 0.0;  // a history without its times would mislead the branches of all the others
   if (data.highest_frequency == 0.0) data.lowest_frequency = 0.0;
   if (data.blocks.size() == 1) data.blocks = split_by_cycle(DataBlock(data.blocks.front()));
   return data;

@@ -129,7 +129,7 @@ void find_unsettled(const PreparedTest& test, std::vector<FitWarning>& warnings)
     std::vector<double> energies;
     double noise = 0.0;
     for (const Cycle& cycle : test.cycles) {
-      if (!cycle.used || cycle.block != block) continue;
+      if (cycle.block != block || cycle.note == "transition") continue;
       energies.push_back(cycle.measured.dissipated_energy);
       noise = energy_noise(test, cycle);
     }

@@ -7,7 +7,7 @@
 namespace grouser {
 
 struct IdentifyOptions {
-  int threads = 1;
+  int threads = 1;  ///< axes are fitted side by side
 };
 
 struct IdentifyResult {

@@ -178,6 +178,11 @@ void choose_cycles(PreparedTest& test) {
     }
     settle_block(test, block);
   }
+  if (test.cycles_used() > 0) return;
+  for (Cycle& cycle : test.cycles) {  // every amplitude has one cycle only: there is nothing better
+    if (cycle.note == "conditioning") cycle.note.clear();
+    cycle.used = cycle.note.empty();
+  }
 }
 
 }  // namespace

@@ -100,6 +100,18 @@ Eigen::VectorXd solve(const Eigen::MatrixXd& moments, int n) {
   return solve_nnls(moments.topLeftCorner(n, n), moments.col(moments.cols() - 1).head(n)).x;
 }
 
+// Rms of what each test's whole force is larger or smaller than the law's: every mounting has a gain of its own, and a
+// backbone that rests on one ramp inherits the gain of that mounting.
+double gain_scatter(const std::vector<Eigen::MatrixXd>& blocks, const Eigen::VectorXd& c) {
+  double squared = 0.0;
+  for (const Eigen::MatrixXd& moments : blocks) {
+    const double fitted = c.dot(moments.topLeftCorner(c.size(), c.size()) * c);
+    const double gain = fitted > 0.0 ? c.dot(moments.col(moments.cols() - 1).head(c.size())) / fitted - 1.0 : 0.0;
+    squared += gain * gain / static_cast<double>(blocks.size());
+  }
+  return std::sqrt(squared);
+}
+
 void estimate_bands(const AxisData& data, const AxisSolution& solution, AxisFit& fit) {
   const auto [low, high] = backbone_range(data);
   const double spacing = (high - low) / k_band_intervals;
@@ -129,13 +141,16 @@ void estimate_bands(const AxisData& data, const AxisSolution& solution, AxisFit&
   }
   const auto n = static_cast<double>(blocks.size());
   const double few_tests = n / std::max(n - 6.0, 0.5 * n);  // I 2: n / (n - 6), bounded where tests are few
-  const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(k_band_intervals + 1, low, high);
+  const double gain = gain_scatter(blocks, solution.coefficients);
+  const auto variance = [&](const Spread& boot, const Spread& grid) -> Eigen::VectorXd {
+    return few_tests * (boot.variance() + (gain * boot.centre).cwiseAbs2()) + grid.variance();
+  };
   const double at_rest =
       solution.dictionary.spring.force_at_rest(solution.coefficients.head(solution.dictionary.spring.size()));
-  fit.backbone = band(x, fitted - Eigen::VectorXd::Constant(fitted.size(), at_rest),
-                      few_tests * boot_force.variance() + grid_force.variance());
+  const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(k_band_intervals + 1, low, high);
+  fit.backbone = band(x, fitted - Eigen::VectorXd::Constant(fitted.size(), at_rest), variance(boot_force, grid_force));
   fit.tangent = band(x.segment(half_window, x.size() - 2 * half_window), boot_tangent.centre,
-                     few_tests * boot_tangent.variance() + grid_tangent.variance());
+                     variance(boot_tangent, grid_tangent));
   fit.tangent_window = half_window * spacing;
 }
 

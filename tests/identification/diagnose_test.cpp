@@ -1,0 +1,151 @@
+// What the data show about the rig: each fault is put into one record of the bench and must be named.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "identification/identify.h"
+#include "identification/prepared_test.h"
+#include "model/errors.h"
+#include "tests/identification/bench.h"
+
+namespace grouser {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::vector<std::string> codes(const std::vector<FitWarning>& warnings) {
+  std::vector<std::string> result;
+  for (const FitWarning& warning : warnings) result.push_back(warning.code);
+  return result;
+}
+
+struct Prepared {
+  RigRecord rig;
+  std::vector<FitWarning> warnings;
+  PreparedTest test;
+  explicit Prepared(RigTest source)
+      : rig(record_of({std::move(source)})), test(prepare_test(rig.tests[0], rig, warnings)) {}
+};
+
+RigTest loop() { return Bench().measure(Axis::x, "x_loop_0.2mm_1hz"); }
+
+TEST(Diagnosis, FindsNothingWrongWithASoundRecord) {
+  EXPECT_THAT(codes(Prepared(loop()).warnings), ::testing::IsEmpty());
+}
+
+TEST(Diagnosis, NamesSwappedColumnsAndLeavesTheTestOut) {
+  RigTest test = loop();
+  std::swap(test.displacement, test.force);
+  const Prepared prepared(test);
+  EXPECT_THAT(codes(prepared.warnings), ::testing::Contains("swapped_columns"));
+  EXPECT_EQ(prepared.test.cycles_used(), 0);
+  EXPECT_THROW((void)identify(record_of({test})), InputError);
+}
+
+TEST(Diagnosis, NamesReversedPolarityOfEitherChannel) {
+  RigTest force = loop(), displacement = loop();
+  for (double& value : force.force) value = -value;
+  for (double& value : displacement.displacement) value = -value;
+  EXPECT_THAT(codes(Prepared(force).warnings), ::testing::Contains("reversed_polarity"));
+  EXPECT_THAT(codes(Prepared(displacement).warnings), ::testing::Contains("reversed_polarity"));
+}
+
+TEST(Diagnosis, NamesAStatedFrequencyThatIsNotTheMeasuredOne) {
+  RigTest test = loop();
+  test.frequency = 1.03;
+  const Prepared prepared(test);
+  ASSERT_THAT(codes(prepared.warnings), ::testing::ElementsAre("wrong_frequency"));
+  EXPECT_NEAR(prepared.test.frequency, 1.0, 1e-3);  // the measured one is used
+  test.frequency = 1.005;
+  EXPECT_THAT(codes(Prepared(test).warnings), ::testing::IsEmpty());  // half a per cent is an ordinary rig
+}
+
+TEST(Diagnosis, NamesDrift) {
+  RigTest test = loop();
+  const double range = 40e3;
+  for (std::size_t i = 0; i < test.force.size(); ++i) {
+    test.force[i] += 0.2 * range * static_cast<double>(i) / static_cast<double>(test.force.size());
+  }
+  EXPECT_THAT(codes(Prepared(test).warnings), ::testing::ElementsAre("drift"));
+}
+
+TEST(Diagnosis, NamesAClippedSensor) {
+  RigTest test = loop();
+  const double limit = 0.9 * *std::ranges::max_element(test.force);
+  for (double& value : test.force) value = std::min(value, limit);
+  const Prepared prepared(test);
+  ASSERT_THAT(codes(prepared.warnings), ::testing::Contains("clipped_sensor"));
+  EXPECT_THAT(prepared.warnings.front().text, HasSubstr("force stands at"));
+}
+
+TEST(Diagnosis, NamesARecordWithTooFewSamples) {
+  RigTest full = loop(), sparse = full;
+  sparse.time.clear(), sparse.displacement.clear(), sparse.force.clear();
+  for (std::size_t i = 0; i < full.time.size(); i += 5) {
+    sparse.time.push_back(full.time[i]);
+    sparse.displacement.push_back(full.displacement[i]);
+    sparse.force.push_back(full.force[i]);
+  }
+  EXPECT_THAT(codes(Prepared(sparse).warnings), ::testing::Contains("few_samples"));
+}
+
+TEST(Diagnosis, NamesCyclesThatStillSettle) {
+  Bench bench;
+  RigErrors errors = bench.axis(Axis::x).errors;
+  errors.conditioning = 0.6;
+  errors.conditioning_cycles = 8.0;
+  EXPECT_THAT(codes(Prepared(bench.measure(Axis::x, "x_loop_0.5mm_1hz", errors)).warnings),
+              ::testing::Contains("unsettled_cycles"));
+}
+
+TEST(Diagnosis, NamesATiltedSpecimen) {
+  RigTest test = loop();
+  for (const double x : test.displacement) test.tilt.push_back(0.3 * x);
+  EXPECT_THAT(codes(Prepared(test).warnings), ::testing::ElementsAre("tilted_specimen"));
+}
+
+TEST(Preparation, DropsTheConditioningCycles) {
+  const Prepared prepared(loop());
+  ASSERT_EQ(prepared.test.cycles.size(), 9u);
+  EXPECT_EQ(prepared.test.cycles.front().note, "conditioning");
+  EXPECT_FALSE(prepared.test.cycles[3].used);
+  EXPECT_TRUE(prepared.test.cycles[4].used);
+  // 12 % exp(-1.5 / 1.1) = 3 % more force in the middle of the second cycle
+  EXPECT_GT(prepared.test.cycles[1].measured.dissipated_energy,
+            1.02 * prepared.test.cycles[8].measured.dissipated_energy);
+}
+
+TEST(Preparation, DropsWhatTheRigFileAsks) {
+  RigTest test = loop();
+  test.discard_cycles = 7;
+  const Prepared prepared(test);
+  EXPECT_EQ(prepared.test.cycles_used(), 2);
+  EXPECT_EQ(prepared.test.cycles[6].note, "discarded by the rig file");
+}
+
+TEST(Preparation, TakesRigComplianceAndSeriesBushingsOut) {
+  RigTest test = sine_test(1.0e-3, 1.0, 4, 200, [](double x, double rate) { return 5.0e7 * x + 1.0e5 * rate; });
+  for (std::size_t i = 0; i < test.force.size(); ++i)
+    test.displacement[i] = 2.0 * test.displacement[i] + 1.0e-9 * test.force[i];
+  RigRecord rig = record_of({test});
+  rig.rig_compliance = 1.0e-9;
+  rig.bushings_in_series = 2;
+  std::vector<FitWarning> warnings;
+  const PreparedTest prepared = prepare_test(rig.tests[0], rig, warnings);
+  EXPECT_NEAR(prepared.cycles.back().amplitude, 1.0e-3, 1e-9);
+  EXPECT_NEAR(prepared.cycles.back().measured.equivalent_damping, 1.0e5, 50.0);  // chords of 200 samples: 2e-4
+}
+
+TEST(Preparation, TakesTheTimeOfALoopWithoutOneFromItsFrequency) {
+  RigTest test = loop();
+  test.time_measured = false;
+  for (std::size_t i = 0; i < test.time.size(); ++i) test.time[i] = static_cast<double>(i);
+  test.frequency = 5.0;
+  const Prepared prepared(test);
+  EXPECT_TRUE(prepared.test.rate_known);
+  EXPECT_NEAR(prepared.test.frequency, 5.0, 0.02);
+}
+
+}  // namespace
+}  // namespace grouser
