@@ -58,7 +58,7 @@ TEST(Progress, IsALineEveryTenthWhereThereIsNoTerminal) {
   const TemporaryFolder folder;
   const CommandOutput output = grouser(simulate(folder / "run", "0.1"));
   ASSERT_EQ(output.exit_code, 0) << output.err;
-  EXPECT_THAT(output.err, HasSubstr("grouser: simulate:  90 %"));
+  EXPECT_THAT(output.err, HasSubstr("grouser: simulate:  10 %"));
   EXPECT_EQ(output.err.find('\r'), std::string::npos);
   EXPECT_LE(std::count(output.err.begin(), output.err.end(), '\n'), 11);
 }

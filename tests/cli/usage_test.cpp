@@ -18,9 +18,9 @@ TEST(Usage, UnknownSubcommandSaysWhichOneWasMeant) {
 }
 
 TEST(Usage, AnUnknownWordFarFromEverySubcommandGetsNoGuess) {
-  const CommandOutput output = grouser({"launder"});
+  const CommandOutput output = grouser({"fly"});
   EXPECT_EQ(output.exit_code, 2);
-  EXPECT_THAT(output.err, HasSubstr("unknown subcommand launder\n"));
+  EXPECT_THAT(output.err, HasSubstr("unknown subcommand fly\n"));
 }
 
 TEST(Usage, NoSubcommandIsAnError) {
