@@ -36,9 +36,8 @@ struct FitFolder {
 /// Inputs with hashes, options, version and the commands that repeat the result.
 [[nodiscard]] nlohmann::json provenance_facts(const Provenance& provenance, const std::vector<std::string>& commands);
 
-/// Moving picture of a run for the page's 3D player: {bodies, parts, frames, payload_*}; empty object when the run
-/// holds no poses.
-[[nodiscard]] nlohmann::json playback_facts(const RunFolder& run, const std::string& id);
+/// Moving picture of a run for the page's 3D player: {frames_text, payload_*}; false when the run holds no poses.
+[[nodiscard]] nlohmann::json playback_facts(const RunFolder& run);
 
 /// {value, text} of a value in SI.
 [[nodiscard]] nlohmann::json quantity_facts(double value, const std::string& unit, int digits = 4);

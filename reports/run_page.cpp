@@ -210,7 +210,7 @@ json run_facts(const RunFolder& run, const std::string& id, int level) {
   facts["headline"] = run_headline(summary);
   facts["synthetic"] = synthetic_notes(run);
   facts["is_synthetic"] = !facts["synthetic"].empty();
-  facts["playback"] = playback_facts(run, id);
+  facts["playback"] = playback_facts(run);
   facts["film"] = film_facts(run);
   facts["motion"] = facts["playback"].is_object() || facts["film"].is_object();
   facts["still"] = still_facts(run);

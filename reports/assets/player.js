@@ -9,14 +9,15 @@ async function startPlayer(figure) {
     figure.querySelector(".controls").remove();
     return false;
   }
-  const vertices = new Float32Array(await unpacked(figure.querySelector(".meshes").textContent));
+  const vertices = new Float32Array(await unpacked(figure.querySelector(".vertices").textContent));
+  const indices = new Uint32Array(await unpacked(figure.querySelector(".indices").textContent));
   const poses = decodedPoses(scene, new Int16Array(await unpacked(figure.querySelector(".poses").textContent)));
   stage.append(canvas);
   const reading = document.createElement("span");
   reading.className = "reading";
   stage.append(reading);
   stage.tabIndex = 0;
-  const draw = sceneRenderer(gl, scene, vertices, poses);
+  const draw = sceneRenderer(gl, scene, vertices, indices, poses);
   const camera = { azimuth: -0.95, elevation: 0.3, distance: 1.45 * scene.reach };
   let frame = 0, playing = false, clock = 0;
 
@@ -121,48 +122,82 @@ function decodedPoses(scene, steps) {
   return poses;
 }
 
+// The light of render/shaders, so that this picture and the film look alike. Positions are relative to the chassis origin.
 const player_shaders = (() => {
   const common = `#version 300 es
-precision highp float; precision highp sampler2DShadow;
-uniform mat4 view, sun; uniform vec3 eye, light, focus; uniform float reach;`;
+precision highp float; precision highp int; precision highp sampler2DShadow;
+uniform mat4 view, shade_view; uniform vec3 eye, sun, focus, origin; uniform float reach; uniform vec4 footprint;`;
   const place = `
-layout(location=0) in vec3 p; layout(location=1) in vec3 n; layout(location=2) in vec3 t; layout(location=3) in vec4 q; layout(location=4) in vec3 c;
+layout(location=0) in vec3 p; layout(location=1) in vec3 n; layout(location=2) in vec4 c; layout(location=3) in vec3 t; layout(location=4) in vec4 q; layout(location=5) in vec4 tint;
 vec3 turned(vec3 v) { return v + 2.0 * cross(q.xyz, cross(q.xyz, v) + q.w * v); }`;
   const lit = `
 uniform sampler2DShadow shadow;
-const vec3 haze = vec3(0.60, 0.68, 0.75);
-float lightness(vec3 w, vec3 n) {
-  vec3 s = (sun * vec4(w + n * 0.012 * reach / 4.0, 1.0)).xyz * 0.5 + 0.5;
-  if (any(lessThan(s, vec3(0.0))) || any(greaterThan(s, vec3(1.0)))) return 1.0;
+const vec3 horizon = vec3(0.66, 0.74, 0.82), zenith = vec3(0.23, 0.42, 0.68);
+vec3 sky_color(vec3 direction) {
+  vec3 sky = mix(horizon, zenith, 1.0 - exp(-3.2 * max(direction.z, 0.0)));
+  return sky + 0.12 * pow(max(dot(direction, sun), 0.0), 24.0) * vec3(1.0, 0.92, 0.78);
+}
+float sunlight(vec3 w, vec3 n) {
+  vec3 s = (shade_view * vec4(w + n * 0.004 * reach, 1.0)).xyz * 0.5 + 0.5;
+  if (any(lessThan(s, vec3(0.002))) || any(greaterThan(s, vec3(0.998)))) return 1.0;
   float sum = 0.0;
-  for (int i = -1; i <= 1; ++i) for (int j = -1; j <= 1; ++j) sum += texture(shadow, vec3(s.xy + vec2(i, j) / 2048.0, s.z - 0.0012));
+  for (int i = -1; i <= 1; ++i) for (int j = -1; j <= 1; ++j) sum += texture(shadow, vec3(s.xy + vec2(i, j) * 1.1 / 2048.0, s.z - 0.0006));
   return sum / 9.0;
 }
-vec3 shaded(vec3 a, vec3 n, vec3 w, float gloss) {
-  vec3 v = normalize(eye - w);
-  float nl = max(dot(n, light), 0.0), s = nl > 0.0 ? lightness(w, n) : 0.0;
-  vec3 c = a * (mix(vec3(0.17, 0.16, 0.14), vec3(0.40, 0.46, 0.54), n.z * 0.5 + 0.5) + nl * s * vec3(1.75, 1.68, 1.55));
-  c += gloss * s * pow(max(dot(n, normalize(v + light)), 0.0), 40.0);
-  float far = length(w - eye) / (14.0 * reach);
-  c = mix(c, haze, 1.0 - exp(-far * far));
-  return pow(c, vec3(1.0 / 2.2));
+float under_vehicle(vec2 w, float softness) {
+  vec2 d = w - focus.xy, local = abs(vec2(footprint.z * d.x + footprint.w * d.y, -footprint.w * d.x + footprint.z * d.y));
+  vec2 inside = smoothstep(vec2(softness), vec2(-softness), local - footprint.xy);
+  return inside.x * inside.y;
+}
+vec3 shaded(vec3 albedo, float gloss, vec3 w, vec3 n, float sky_share) {
+  vec3 v = normalize(eye - w), h = normalize(v + sun);
+  float facing = dot(n, sun), light = facing > 0.0 ? sunlight(w, n) * facing : 0.0;
+  vec3 ambient = mix(vec3(0.20, 0.18, 0.15), vec3(0.40, 0.47, 0.58), 0.5 + 0.5 * n.z) * sky_share;
+  float grazing = pow(1.0 - max(dot(n, v), 0.0), 5.0);
+  float highlight = gloss * (0.35 + 0.65 * grazing) * pow(max(dot(n, h), 0.0), mix(8.0, 90.0, gloss)) * light;
+  vec3 mirrored = 0.35 * gloss * grazing * sky_share * mix(vec3(0.2), horizon, 0.5 + 0.5 * reflect(-v, n).z);
+  return albedo * (ambient + light * vec3(2.05, 1.93, 1.72)) + 1.3 * highlight * vec3(1.0, 0.95, 0.85) + mirrored;
+}
+vec3 developed(vec3 c) {
+  c *= 0.62;
+  return clamp(c * (2.51 * c + 0.03) / (c * (2.43 * c + 0.59) + 0.14), 0.0, 1.0);
+}
+vec4 seen(vec3 c, vec3 w) {
+  float d = length(w - eye);
+  return vec4(pow(developed(mix(c, horizon, 1.0 - exp(-d * d / 8100.0))), vec3(1.0 / 2.2)), 1.0);
 }`;
   return {
-    body: [common + place + `out vec3 normal, world, color;
-void main() { world = turned(p) + t; normal = turned(n); color = c; gl_Position = view * vec4(world, 1.0); }`,
-      common + lit + `in vec3 normal, world, color; out vec4 o;
-void main() { vec3 n = normalize(gl_FrontFacing ? normal : -normal); o = vec4(shaded(color, n, world, 0.12), 1.0); }`],
-    shadow: [common + place + `void main() { gl_Position = sun * vec4(turned(p) + t, 1.0); }`, common + `void main() {}`],
-    ground: [common + `uniform vec3 origin; out vec3 world;
-void main() { vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0; world = vec3(focus.xy + corner * 60.0 * reach, -origin.z); gl_Position = view * vec4(world, 1.0); }`,
-      common + lit + `uniform vec3 origin; in vec3 world; out vec4 o;
-float lines(vec2 g, float wide) { vec2 f = fwidth(g), d = abs(fract(g - 0.5) - 0.5); vec2 a = clamp((wide + f * 0.5 - d) / f, 0.0, 1.0) * min(vec2(1.0), wide * 3.0 / f); return max(a.x, a.y); }
-void main() { vec2 g = world.xy + origin.xy; float k = max(0.55 * lines(g, 0.010), 0.9 * lines(g / 10.0, 0.0025));
-  o = vec4(shaded(mix(vec3(0.36, 0.345, 0.315), vec3(0.20, 0.19, 0.175), k), vec3(0.0, 0.0, 1.0), world, 0.0), 1.0); }`],
+    body: [common + place + `out vec3 normal, world; flat out vec4 surface;
+void main() { world = turned(p) + t; normal = turned(n); surface = vec4(mix(c.rgb, tint.rgb, tint.a), c.a); gl_Position = view * vec4(world, 1.0); }`,
+      common + lit + `in vec3 normal, world; flat in vec4 surface; out vec4 o;
+void main() {
+  float share = 1.0 - 0.62 * under_vehicle(world.xy, 0.25) * (1.0 - smoothstep(0.1, 1.3, world.z + origin.z));
+  o = seen(shaded(surface.rgb, surface.a, world, normalize(normal), share), world);
+}`],
+    shadow: [common + place + `void main() { gl_Position = shade_view * vec4(turned(p) + t, 1.0); }`, common + `void main() {}`],
+    ground: [common + `out vec3 world;
+void main() { vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0; world = vec3(focus.xy + corner * 320.0, -origin.z); gl_Position = view * vec4(world, 1.0); }`,
+      common + lit + `in vec3 world; out vec4 o;
+float lines(vec2 u, float width) {
+  vec2 size = fwidth(u), drawn = clamp(vec2(width), size, vec2(0.5)), away = abs(fract(u + 0.5) - 0.5);
+  vec2 cover = smoothstep(0.5 * drawn + 0.75 * size, 0.5 * drawn - 0.75 * size, away) * clamp(width / drawn, 0.0, 1.0);
+  cover = mix(cover, vec2(width), clamp(2.0 * size - 1.0, 0.0, 1.0));
+  return cover.x + cover.y - cover.x * cover.y;
+}
+void main() {
+  vec2 g = world.xy + origin.xy;
+  vec3 albedo = mix(vec3(0.34, 0.305, 0.25), vec3(0.17, 0.155, 0.13), 0.55 * lines(g, 0.022));
+  albedo = mix(albedo, vec3(0.72, 0.68, 0.60), 0.60 * lines(g * 0.1, 0.006));
+  o = seen(shaded(albedo, 0.02, world, vec3(0.0, 0.0, 1.0), 1.0 - 0.70 * under_vehicle(world.xy, 0.45)), world);
+}`],
+    sky: [common + `uniform mat4 from_clip; out vec3 beyond;
+void main() { vec2 clip = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0; vec4 far = from_clip * vec4(clip, 1.0, 1.0); beyond = far.xyz / far.w; gl_Position = vec4(clip, 1.0, 1.0); }`,
+      common + lit + `in vec3 beyond; out vec4 o;
+void main() { o = vec4(pow(developed(sky_color(normalize(beyond - eye))), vec3(1.0 / 2.2)), 1.0); }`],
   };
 })();
 
-function sceneRenderer(gl, scene, vertices, poses) {
+function sceneRenderer(gl, scene, vertices, indices, poses) {
   const program = ([vertex, fragment]) => {
     const made = gl.createProgram();
     for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
@@ -174,10 +209,10 @@ function sceneRenderer(gl, scene, vertices, poses) {
     }
     gl.linkProgram(made);
     const at = {};
-    for (const name of ["view", "sun", "eye", "light", "focus", "reach", "origin", "shadow"]) at[name] = gl.getUniformLocation(made, name);
+    for (const name of ["view", "shade_view", "eye", "sun", "focus", "origin", "reach", "footprint", "shadow", "from_clip"]) at[name] = gl.getUniformLocation(made, name);
     return { made, at };
   };
-  const bodyPass = program(player_shaders.body), shadowPass = program(player_shaders.shadow), groundPass = program(player_shaders.ground);
+  const bodyPass = program(player_shaders.body), shadowPass = program(player_shaders.shadow), groundPass = program(player_shaders.ground), skyPass = program(player_shaders.sky);
   const buffer = (data, use) => {
     const made = gl.createBuffer();
     gl.bindBuffer(gl.ARRAY_BUFFER, made);
@@ -190,19 +225,25 @@ function sceneRenderer(gl, scene, vertices, poses) {
     gl.vertexAttribDivisor(i, divisor);
   };
   const meshBuffer = buffer(vertices, gl.STATIC_DRAW);
+  const indexBuffer = gl.createBuffer();
+  gl.bindVertexArray(null);
+  gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, indexBuffer);
+  gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, indices, gl.STATIC_DRAW);
   const batches = scene.meshes.map((mesh, k) => {
     const mine = scene.instances.filter(instance => instance.mesh === k);
-    const vao = gl.createVertexArray();
+    const vao = gl.createVertexArray(), stride = 40, first = stride * mesh.first_vertex;
     gl.bindVertexArray(vao);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, indexBuffer);
     gl.bindBuffer(gl.ARRAY_BUFFER, meshBuffer);
-    attribute(0, 3, 24, 24 * mesh.first, 0);
-    attribute(1, 3, 24, 24 * mesh.first + 12, 0);
+    attribute(0, 3, stride, first, 0);
+    attribute(1, 3, stride, first + 12, 0);
+    attribute(2, 4, stride, first + 24, 0);
     const poseBuffer = buffer(mine.length * 28, gl.DYNAMIC_DRAW);
-    attribute(2, 3, 28, 0, 1);
-    attribute(3, 4, 28, 12, 1);
-    buffer(new Float32Array(mine.flatMap(instance => instance.color)), gl.STATIC_DRAW);
-    attribute(4, 3, 12, 0, 1);
-    return { vao, poseBuffer, mine, count: mesh.count, poses: new Float32Array(mine.length * 7) };
+    attribute(3, 3, 28, 0, 1);
+    attribute(4, 4, 28, 12, 1);
+    buffer(new Float32Array(mine.flatMap(instance => instance.tint)), gl.STATIC_DRAW);
+    attribute(5, 4, 16, 0, 1);
+    return { vao, poseBuffer, mine, first: 4 * mesh.first_index, count: mesh.num_indices, poses: new Float32Array(mine.length * 7) };
   }).filter(batch => batch.mine.length > 0);
 
   const map = gl.createTexture(), mapSize = 2048;
@@ -216,23 +257,28 @@ function sceneRenderer(gl, scene, vertices, poses) {
 
   return (frame, camera) => {
     const { azimuth, elevation, distance } = camera, { reach } = scene;
-    const origin = scene.origin.slice(3 * frame, 3 * frame + 3), focus = [scene.focus[0], scene.focus[1], scene.focus[2]];
+    const origin = scene.origin.slice(3 * frame, 3 * frame + 3);
+    const [x, y, z, w] = poses.subarray(frame * scene.bodies * 7 + 3, frame * scene.bodies * 7 + 7);  // the chassis
+    const heading = Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)), c = Math.cos(heading), s = Math.sin(heading);
+    const focus = [c * scene.focus[0] - s * scene.focus[1], s * scene.focus[0] + c * scene.focus[1], scene.focus[2]];
     const eye = [focus[0] + distance * Math.cos(elevation) * Math.cos(azimuth), focus[1] + distance * Math.cos(elevation) * Math.sin(azimuth),
       Math.max(0.1 - origin[2], focus[2] + distance * Math.sin(elevation))];
-    const light = unit([0.35, -0.62, 0.92]);
-    const view = product(perspective(0.62, gl.drawingBufferWidth / gl.drawingBufferHeight, 0.05 * reach, 80 * reach), looking(eye, focus));
-    const sun = product(orthographic(1.0 * reach, 0.1 * reach, 6 * reach), looking(focus.map((x, i) => x + 3 * reach * light[i]), focus));
+    const sun = unit([0.42, -0.55, 0.85]);
+    const view = product(perspective(0.6, gl.drawingBufferWidth / gl.drawingBufferHeight, 0.05 * reach, 400), looking(eye, focus));
+    const shade = product(orthographic(reach, 0.5 * reach, 3.5 * reach), looking(focus.map((x, i) => x + 2 * reach * sun[i]), focus));
     const use = pass => {
       gl.useProgram(pass.made);
       gl.uniformMatrix4fv(pass.at.view, false, view);
-      gl.uniformMatrix4fv(pass.at.sun, false, sun);
-      gl.uniform3fv(pass.at.eye, eye); gl.uniform3fv(pass.at.light, light); gl.uniform3fv(pass.at.focus, focus);
-      gl.uniform3fv(pass.at.origin, origin); gl.uniform1f(pass.at.reach, reach); gl.uniform1i(pass.at.shadow, 0);
+      gl.uniformMatrix4fv(pass.at.shade_view, false, shade);
+      for (const [name, value] of Object.entries({ eye, sun, focus, origin })) gl.uniform3fv(pass.at[name], value);
+      gl.uniform4fv(pass.at.footprint, [...scene.footprint, c, s]);
+      gl.uniform1f(pass.at.reach, reach);
+      gl.uniform1i(pass.at.shadow, 0);
     };
     const bodies = () => {
       for (const batch of batches) {
         gl.bindVertexArray(batch.vao);
-        gl.drawArraysInstanced(gl.TRIANGLES, 0, batch.count, batch.mine.length);
+        gl.drawElementsInstanced(gl.TRIANGLES, batch.count, gl.UNSIGNED_INT, batch.first, batch.mine.length);
       }
     };
     for (const batch of batches) {
@@ -253,13 +299,17 @@ function sceneRenderer(gl, scene, vertices, poses) {
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     gl.bindTexture(gl.TEXTURE_2D, map);
     gl.viewport(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight);
-    gl.clearColor(0.793, 0.839, 0.877, 1);  // the haze, as the shaders show it
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     use(bodyPass); bodies();
     gl.disable(gl.CULL_FACE);
-    use(groundPass);
     gl.bindVertexArray(null);
+    use(groundPass);
     gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+    gl.depthFunc(gl.LEQUAL);
+    use(skyPass);
+    gl.uniformMatrix4fv(skyPass.at.from_clip, false, inverse(view));
+    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 3);
+    gl.depthFunc(gl.LESS);
   };
 }
 
@@ -272,6 +322,17 @@ const product = (a, b) => {
   const out = new Float32Array(16);
   for (let c = 0; c < 4; ++c) for (let r = 0; r < 4; ++r) for (let k = 0; k < 4; ++k) out[c * 4 + r] += a[k * 4 + r] * b[c * 4 + k];
   return out;
+};
+// By elimination without pivoting choice beyond the largest: views and perspectives are far from singular.
+const inverse = m => {
+  const rows = [0, 1, 2, 3].map(r => [m[r], m[4 + r], m[8 + r], m[12 + r], ...[0, 1, 2, 3].map(c => +(c === r))]);
+  for (let k = 0; k < 4; ++k) {
+    const best = rows.reduce((a, row, r) => r >= k && (a < 0 || Math.abs(row[k]) > Math.abs(rows[a][k])) ? r : a, -1);
+    [rows[k], rows[best]] = [rows[best], rows[k]];
+    rows[k] = rows[k].map(v => v / rows[k][k]);
+    rows.forEach((row, r) => { if (r !== k) { const f = row[k]; rows[r] = row.map((v, c) => v - f * rows[k][c]); } });
+  }
+  return Float32Array.from({ length: 16 }, (_, i) => rows[i % 4][4 + (i >> 2)]);
 };
 const looking = (eye, at) => {
   const f = unit(minus(at, eye)), s = unit(cross(f, Math.abs(f[2]) > 0.999 ? [0, 1, 0] : [0, 0, 1])), u = cross(s, f);
