@@ -13,11 +13,11 @@
 namespace grouser {
 namespace {
 
-constexpr double k_slack = 0.02;         // m, pin line shorter than the track at the start
-constexpr double k_ramp_time = 0.6;      // s, stiffness from 2 % to 100 %
-constexpr double k_free_time = 0.75;     // s, settling without damping at the end; as long for the fading before it
-constexpr double k_mass_damping = 15.0;  // 1/s
-constexpr double k_tension_gain = 1.5;   // rad/s of tensioner reference a relative tension error
+constexpr double k_slack = 0.02;        // m, pin line shorter than the track at the start
+constexpr double k_ramp_time = 0.6;     // s, stiffness from 2 % to 100 %
+constexpr double k_free_time = 0.75;    // s, settling without damping at the end; as long for the fading before it
+constexpr double k_mass_damping = 5.0;  // 1/s, near critical for heave and pitch of a tracked vehicle (0.6 to 1 Hz)
+constexpr double k_tension_gain = 1.5;  // rad/s of tensioner reference a relative tension error
 constexpr double k_largest_idler_turn = 0.9;  // rad
 
 /// Idler angle nearest to design at which the pin line has the wanted length; tightens > 0 if a larger angle lengthens

@@ -24,32 +24,38 @@ struct SpringLanes {
   Lanes force, slope, energy;
 };
 
+struct SpringPoint {
+  double force, slope, energy;
+};
+
+SpringPoint evaluate_spring(const CompiledSpring& spring, double x) {
+  if (x >= spring.high) {
+    const double over = x - spring.high;
+    return {spring.high_force + spring.high_slope * over, spring.high_slope,
+            spring.high_energy + over * (spring.high_force + 0.5 * spring.high_slope * over)};
+  }
+  if (!(x > spring.low)) {
+    const double over = x - spring.low, force = spring.cubic[0][0];
+    return {force + spring.low_slope * over, spring.low_slope,
+            spring.energy[0] + over * (force + 0.5 * spring.low_slope * over)};
+  }
+  auto i = static_cast<std::size_t>(
+      spring.cell_interval[static_cast<std::size_t>((x - spring.low) * spring.cells_per_unit)]);
+  while (i + 1 < spring.cubic.size() && x >= spring.knot[i + 1]) ++i;
+  const auto& c = spring.cubic[i];
+  const double u = x - spring.knot[i];
+  return {c[0] + u * (c[1] + u * (c[2] + u * c[3])), c[1] + u * (2.0 * c[2] + u * 3.0 * c[3]),
+          spring.energy[i] + u * (c[0] + u * (c[1] / 2.0 + u * (c[2] / 3.0 + u * c[3] / 4.0)))};
+}
+
 SpringLanes evaluate_spring(const CompiledSpring& spring, const Lanes& x) {
   SpringLanes result;
   for (int lane = 0; lane < k_lanes; ++lane) {
     const double value = x[lane];
-    if (value >= spring.high) {
-      const double over = value - spring.high;
-      result.force[lane] = spring.high_force + spring.high_slope * over;
-      result.slope[lane] = spring.high_slope;
-      result.energy[lane] = spring.high_energy + over * (spring.high_force + 0.5 * spring.high_slope * over);
-      continue;
-    }
-    if (!(value > spring.low)) {
-      const double over = value - spring.low, force = spring.cubic[0][0];
-      result.force[lane] = force + spring.low_slope * over;
-      result.slope[lane] = spring.low_slope;
-      result.energy[lane] = spring.energy[0] + over * (force + 0.5 * spring.low_slope * over);
-      continue;
-    }
-    auto i = static_cast<std::size_t>(
-        spring.cell_interval[static_cast<std::size_t>((value - spring.low) * spring.cells_per_unit)]);
-    while (i + 1 < spring.cubic.size() && value >= spring.knot[i + 1]) ++i;
-    const auto& c = spring.cubic[i];
-    const double u = value - spring.knot[i];
-    result.force[lane] = c[0] + u * (c[1] + u * (c[2] + u * c[3]));
-    result.slope[lane] = c[1] + u * (2.0 * c[2] + u * 3.0 * c[3]);
-    result.energy[lane] = spring.energy[i] + u * (c[0] + u * (c[1] / 2.0 + u * (c[2] / 3.0 + u * c[3] / 4.0)));
+    const SpringPoint at = evaluate_spring(spring, spring.odd ? std::abs(value) : value);
+    result.force[lane] = spring.odd ? std::copysign(at.force, value) : at.force;
+    result.slope[lane] = at.slope;
+    result.energy[lane] = at.energy;
   }
   return result;
 }

@@ -120,7 +120,12 @@ CompiledTrack compile_track(const RunningGear& gear, Side side, const Bushing& b
   track.guide_half_base = 0.5 * from.guide_base_width;
   track.guide_half_top = 0.5 * from.guide_top_width;
   track.guide = {from.guide_stiffness, rate_coefficient(from.guide_restitution, 1.0), 0.0, 0.1, 0.0};
+  track.lateral = side == Side::left ? 1.0 : -1.0;
   track.ground_points = from.ground_points;
+  // The same order on both sides when seen in a mirror.
+  std::sort(track.ground_points.begin(), track.ground_points.end(), [&](const Vector3d& a, const Vector3d& b) {
+    return std::pair(a.x(), track.lateral * a.y()) < std::pair(b.x(), track.lateral * b.y());
+  });
   track.ground = compile_contact(from.ground_contact);
   track.bristle_stiffness = from.ground_bristle_stiffness;
   track.bristle_damping = from.ground_bristle_damping;
@@ -171,6 +176,34 @@ void add_running_gear(System& system, const RunningGear& gear, Side side) {
   bodies.push_back(make_body(prefix + "sprocket", -1, gear.sprocket.center - center, gear.sprocket.body));
   bodies.back().prescribed = true;
   track.sprocket = compile_sprocket(gear.sprocket, gear.track, system.sprocket_body[s]);
+  for (auto body = bodies.begin() + first; body != bodies.end(); ++body) body->mirror_group = index_of(side);
+}
+
+/// f(-x) = -f(x) over the whole curve, to the round-off of a file.
+bool is_odd(const SpringSpline& spring) {
+  constexpr double k_round_off = 1e-12;
+  const std::size_t n = spring.displacement.size();
+  const double reach = spring.displacement.back(), force = std::abs(spring.force.back());
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t j = n - 1 - i;
+    if (std::abs(spring.displacement[i] + spring.displacement[j]) > k_round_off * reach) return false;
+    if (std::abs(spring.force[i] + spring.force[j]) > k_round_off * force) return false;
+    if (std::abs(spring.slope[i] - spring.slope[j]) > k_round_off * std::abs(spring.slope[j])) return false;
+  }
+  return true;
+}
+
+/// The part of an odd curve over x >= 0, beginning with a knot at 0.
+SpringSpline positive_half(const SpringSpline& spring) {
+  SpringSpline half{{0.0}, {0.0}, {evaluate(spring, 0.0).slope}};
+  const double reach = spring.displacement.back();
+  for (std::size_t i = 0; i < spring.displacement.size(); ++i) {
+    if (spring.displacement[i] <= 1e-9 * reach) continue;
+    half.displacement.push_back(spring.displacement[i]);
+    half.force.push_back(spring.force[i]);
+    half.slope.push_back(spring.slope[i]);
+  }
+  return half;
 }
 
 }  // namespace
@@ -189,8 +222,10 @@ double rate_coefficient(double restitution, double speed) {
   return 0.5 * (low + high) / speed;
 }
 
-CompiledSpring compile_spring(const SpringSpline& from) {
+CompiledSpring compile_spring(const SpringSpline& given) {
   CompiledSpring spring;
+  spring.odd = is_odd(given);
+  const SpringSpline from = spring.odd ? positive_half(given) : given;
   const std::size_t n = from.displacement.size();
   spring.knot = from.displacement;
   spring.low = from.displacement.front();

@@ -147,7 +147,8 @@ void meet(const Meeting& m, double stiffness_scale, Workspace& work) {
   const double stiffness = stiffness_scale * m.discs.contact.stiffness;
   int touching = 0;
   LinkLoad load;
-  for (const double lateral : {-m.discs.disc_offset, m.discs.disc_offset}) {
+  const double outwards = m.track.lateral * m.discs.disc_offset;
+  for (const double lateral : {-outwards, outwards}) {
     touching += touch_path(m, stiffness, lateral, velocity, spin, load, work) ? 1 : 0;
   }
   if (touching > 0) {

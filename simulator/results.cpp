@@ -94,6 +94,25 @@ void whole_straight_run(const System& system, const RunSeries& series, Sheet& sh
   sheet.check("Lateral drift", drift, "m", "under 0.02 m", drift < 0.02);
 }
 
+bool never_driven(const Scenario& scenario) {
+  return std::all_of(scenario.drive.begin(), scenario.drive.end(), [](const DriveTable& table) {
+    return std::all_of(table.speed.begin(), table.speed.end(), [](double speed) { return speed == 0.0; });
+  });
+}
+
+/// A vehicle whose sprockets never turn stays where it is.
+void parked_results(const RunSeries& series, Sheet& sheet) {
+  double drift = 0.0;
+  for (std::size_t i = 0; i < series.x.size(); ++i) {
+    drift = std::max(drift, std::hypot(series.x[i] - series.x.front(), series.y[i] - series.y.front()));
+  }
+  const double speed = std::abs(series.speed.back());
+  sheet.result("parked_drift_m", drift, "m", "largest way of the chassis origin from where it stood at time 0");
+  sheet.result("parked_speed_m_per_s", speed, "m/s", "forward speed at the end");
+  sheet.check("Drift of the parked vehicle", drift, "m", "under 0.001 m", drift < 1e-3);
+  sheet.check("Speed of the parked vehicle at the end", speed, "m/s", "under 0.001 m/s", speed < 1e-3);
+}
+
 void turn_results(const System& system, const RunSeries& series, const Interval& turn, double left_rate,
                   double right_rate, Sheet& sheet) {
   const Vehicle& vehicle = system.scenario.vehicle;
@@ -222,6 +241,8 @@ void add_results(const System& system, const Assembled& assembled, const RunSeri
       } else {
         turn_results(system, series, *steady, left, right, sheet);
       }
+    } else if (never_driven(scenario)) {
+      parked_results(series, sheet);
     }
   }
   step_results(series, sheet);

@@ -57,18 +57,30 @@ void touch_side(const PinMeeting& m, double lateral, double radius, const Vector
                                                         : ContactCase::sprocket_side_right)];
 }
 
-void meet_ring(const PinMeeting& m, double ring, double stiffness, const Matrix3d& R_WS,
-               const Vector3d& sprocket_from_base, Workspace& work) {
+Vector3d relative_velocity(const PinMeeting& m, const Workspace& work) {
+  return m.link.velocity_at(m.pin_from_link_W) - work.chassis.velocity_at(m.track.sprocket.body, m.pin_from_base_W);
+}
+
+/// The middle of the pin against the sides of the teeth.
+void meet_sides(const PinMeeting& m, const Matrix3d& R_WS, const Vector3d& sprocket_from_base, Workspace& work) {
+  const Vector3d pin = R_WS.transpose() * (m.pin_from_base_W - sprocket_from_base);
+  const double radius = std::hypot(pin.x(), pin.z());
+  if (radius > m.track.sprocket.tip_radius) return;
+  const Vector3d outward = R_WS * Vector3d(pin.x(), 0.0, pin.z()) / radius;
+  touch_side(m, pin.y(), radius, outward, R_WS.col(1), relative_velocity(m, work), work);
+}
+
+/// The pin at one ring of teeth: tooth surfaces and base circle.
+void meet_ring(const PinMeeting& m, double stiffness, const Matrix3d& R_WS, const Vector3d& sprocket_from_base,
+               Workspace& work) {
   const CompiledSprocket& sprocket = m.track.sprocket;
-  const Vector3d pin_W = m.pin_from_base_W - sprocket_from_base;
-  const Vector3d pin = R_WS.transpose() * pin_W;  // in the sprocket's frame, gap 0 along its x
+  const Vector3d pin = R_WS.transpose() * (m.pin_from_base_W - sprocket_from_base);  // gap 0 along its x
   const double radius = std::hypot(pin.x(), pin.z());
   if (radius > sprocket.tip_radius + sprocket.pin_radius) return;
   const double step = 2.0 * k_pi / sprocket.teeth, angle = std::atan2(pin.z(), pin.x());
   const double gap = step * std::round(angle / step), within = angle - gap;
   const Vector3d radial(std::cos(gap), 0.0, std::sin(gap)), tangential(-std::sin(gap), 0.0, std::cos(gap));
-  const Vector3d relative =
-      m.link.velocity_at(m.pin_from_link_W) - work.chassis.velocity_at(sprocket.body, m.pin_from_base_W);
+  const Vector3d relative = relative_velocity(m, work);
 
   const ToothContact tooth = touch_tooth(sprocket, radius * std::cos(within), radius * std::sin(within));
   if (tooth.penetration > 0.0) {
@@ -76,13 +88,12 @@ void meet_ring(const PinMeeting& m, double ring, double stiffness, const Matrix3
     touch_with(m, sprocket.contact, stiffness, tooth.penetration, normal, relative, work);
     ++work.case_count[static_cast<std::size_t>(tooth.where)];
   }
-  const Vector3d outward = R_WS * Vector3d(pin.x(), 0.0, pin.z()) / radius;
   const double base_depth = sprocket.pin_radius + sprocket.base_radius - radius;
   if (base_depth > 0.0) {
+    const Vector3d outward = R_WS * Vector3d(pin.x(), 0.0, pin.z()) / radius;
     touch_with(m, sprocket.contact, stiffness, base_depth, outward, relative, work);
     ++work.case_count[static_cast<std::size_t>(ContactCase::sprocket_base)];
   }
-  if (ring > 0.0) touch_side(m, pin.y() - ring, radius, outward, R_WS.col(1), relative, work);
 }
 
 }  // namespace
@@ -131,11 +142,14 @@ void sprocket_contacts(const System& system, const AssemblyKnobs& knobs, const S
     for_links_within(track, state, center, reach, [&](int i) {
       const LinkView link = view_link(state, work, i);
       const Vector3d pin = -0.5 * track.pitch * link.rotation.col(0);
-      for (const double ring : {-sprocket.ring_offset, sprocket.ring_offset}) {
+      const Matrix3d& R_WS = work.chassis.rotation[body];
+      const Vector3d link_from_base = link.position - state.chassis.position;
+      const double outwards = track.lateral * sprocket.ring_offset;
+      for (const double ring : {-outwards, outwards}) {
         const Vector3d arm = pin + ring * link.rotation.col(1);
-        meet_ring({track, link, arm, link.position + arm - state.chassis.position}, ring, stiffness,
-                  work.chassis.rotation[body], from_base, work);
+        meet_ring({track, link, arm, link_from_base + arm}, stiffness, R_WS, from_base, work);
       }
+      meet_sides({track, link, pin, link_from_base + pin}, R_WS, from_base, work);
     });
   }
 }

@@ -11,6 +11,7 @@ namespace grouser {
 
 /// Spring curve with a uniform table of intervals, so that a lookup costs the same for any knots.
 struct CompiledSpring {
+  bool odd = false;              ///< f(-x) = -f(x): the pieces cover x >= 0 and the sign is carried, exact in a mirror
   double low = 0.0, high = 0.0;  ///< first and last knot
   double cells_per_unit = 0.0;
   std::vector<int> cell_interval;            ///< first interval that may hold a displacement of the cell
@@ -72,6 +73,7 @@ struct CompiledSprocket {
 
 struct CompiledTrack {
   Side side = Side::left;
+  double lateral = 1.0;  ///< outwards along +-y: what comes in lateral pairs is worked through in this order
   int num_links = 0;
   int offset = 0;  ///< first element in the link arrays
   double pitch = 0.0;

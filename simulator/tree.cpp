@@ -1,6 +1,7 @@
 #include "simulator/tree.h"
 
 #include <Eigen/Cholesky>
+#include <array>
 
 namespace grouser {
 namespace {
@@ -109,10 +110,15 @@ void tree_accelerations(const Tree& tree, const TreeState& state, std::span<cons
     work.articulated_bias[i] =
         velocity_product(work.articulated[i], work.velocity[i], work.kinetic_energy) - work.force[i];
   }
+  std::array<Matrix6d, 2> group_inertia{Matrix6d::Zero(), Matrix6d::Zero()};
+  std::array<Vector6d, 2> group_bias{Vector6d::Zero(), Vector6d::Zero()};
   for (std::size_t i = n; i-- > 0;) {
     const TreeBody& body = tree.bodies[i];
-    Matrix6d& parent_inertia = body.parent < 0 ? base_inertia : work.articulated[static_cast<std::size_t>(body.parent)];
-    Vector6d& parent_bias = body.parent < 0 ? base_bias : work.articulated_bias[static_cast<std::size_t>(body.parent)];
+    const auto group = static_cast<std::size_t>(body.mirror_group);
+    Matrix6d& parent_inertia =
+        body.parent < 0 ? group_inertia[group] : work.articulated[static_cast<std::size_t>(body.parent)];
+    Vector6d& parent_bias =
+        body.parent < 0 ? group_bias[group] : work.articulated_bias[static_cast<std::size_t>(body.parent)];
     const Matrix6d& inertia = work.articulated[i];
     const Vector6d& axis = work.axis_W[i];
     if (body.prescribed) {
@@ -130,6 +136,8 @@ void tree_accelerations(const Tree& tree, const TreeState& state, std::span<cons
     parent_bias +=
         work.articulated_bias[i] + reduced * work.bias[i] + projected * (work.axis_force[i] / work.axis_inertia[i]);
   }
+  base_inertia += group_inertia[0] + group_inertia[1];
+  base_bias += group_bias[0] + group_bias[1];
 
   Vector6d base_acceleration = Vector6d::Zero();
   if (!tree.base_fixed) base_acceleration = -base_inertia.ldlt().solve(base_bias);

@@ -25,7 +25,11 @@ struct TreeBody {
   double mass = 0.0;                   ///< kg
   Vector3d center_of_mass = Vector3d::Zero();  ///< in B [m]
   Matrix3d inertia = Matrix3d::Zero();         ///< about the centre of mass, in B [kg m^2]
-  bool prescribed = false;                     ///< motion given; its torque is a result
+  /// 0 or 1. What the base's children put on it is summed by group, then together: a vehicle that is its own mirror
+  /// image (left bodies in one group, right ones in the other, in the same order) then moves exactly so, free of
+  /// round-off.
+  int mirror_group = 0;
+  bool prescribed = false;  ///< motion given; its torque is a result
 };
 
 /// Constant description; parents come before their children.
