@@ -106,7 +106,8 @@ Dictionary full_dictionary(const AxisData& data, double yield_spread, double tim
       std::min(0.1 * largest, std::max(k_smallest_yield * data.smallest_amplitude, data.noise_displacement));
   dictionary.yields = geometric(smallest / yield_spread, largest, k_full_stops);
   if (data.highest_frequency > k_least_frequency_ratio * data.lowest_frequency && data.lowest_frequency > 0.0) {
-    const double fastest = 1.0 / (10.0 * data.highest_frequency);
+    // Faster branches than this are dampers within 1 % and would only be stiff; slower ones cannot be dampers (I 1).
+    const double fastest = 1.0 / (20.0 * std::numbers::pi * data.highest_frequency);
     const double slowest = 1.0 / (2.0 * std::numbers::pi * data.lowest_frequency);
     dictionary.relaxation_times = geometric(fastest / time_spread, slowest, k_full_branches);
   }

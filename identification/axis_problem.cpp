@@ -42,7 +42,9 @@ DataBlock make_block(const PreparedTest& test, const std::vector<const Cycle*>& 
   block.with_drift = cycles.size() > 1;
   const double model_error = k_model_error * force_range(test, block.cycles);
   block.row_weight = 1.0 / (samples * (test.noise_force * test.noise_force + model_error * model_error));
-  block.energy_weight = block.mean_energy > 0.0 ? k_energy_weight : 0.0;
+  const double scatter = energy_noise(test, *cycles.back()) / std::sqrt(static_cast<double>(cycles.size()));
+  const double relative = scatter / block.mean_energy;
+  block.energy_weight = block.mean_energy > 0.0 ? 1.0 / (1.0 / k_energy_weight + relative * relative) : 0.0;
   return block;
 }
 
@@ -76,6 +78,8 @@ class BlockAccumulator {
         previous_(num_columns),
         shift_(block.test->force[block.cycles.front().begin]) {}
 
+  [[nodiscard]] std::size_t first() const { return block_->cycles.front().begin; }
+  [[nodiscard]] std::size_t last() const { return block_->cycles.back().end; }
   /// Sample i with the values of all columns.
   void take(std::size_t i, const Eigen::VectorXd& columns) {
     while (cycle_ < block_->cycles.size() && i > block_->cycles[cycle_].end) ++cycle_;
@@ -183,10 +187,14 @@ std::vector<Eigen::MatrixXd> block_moments(const AxisData& data, const Dictionar
       accumulators.emplace_back(data.blocks[b], num_columns);
     }
     ElementHistory history(dictionary);
-    for (std::size_t i = 0; i < test.displacement.size(); ++i) {
+    auto current = accumulators.begin();
+    for (std::size_t i = 0; i < test.displacement.size() && current != accumulators.end(); ++i) {
       if (i > 0) history.advance(test.displacement[i] - test.displacement[i - 1], test.time[i] - test.time[i - 1]);
+      if (i < current->first()) continue;
       write_columns(dictionary, history, test.displacement[i], columns);
-      for (BlockAccumulator& accumulator : accumulators) accumulator.take(i, columns);
+      // blocks follow each other in time; at most the end of one is the begin of the next
+      for (auto open = current; open != accumulators.end() && open->first() <= i; ++open) open->take(i, columns);
+      if (i >= current->last()) ++current;
     }
     for (BlockAccumulator& accumulator : accumulators) result.push_back(accumulator.finish());
   }

@@ -13,6 +13,7 @@ constexpr int k_clipped_run = 4;            // equal samples at the extreme; noi
 constexpr double k_frequency_error = 0.01;  // stated against measured (I 4)
 constexpr double k_drift = 0.03;            // of the range, over the used cycles
 constexpr double k_settling = 0.015;        // energy change of the last used cycle
+constexpr double k_no_slope = 0.05;         // correlation of a pure damper; its sign is no evidence
 constexpr double k_least_loss = 0.01;       // loss factor below which the loop's sense of turning is no evidence
 constexpr double k_tilt = 0.1;              // half difference of the LVDTs over the displacement
 constexpr int k_least_samples = 50;         // per cycle; 39 lose .6-1 % of the area to the chord (I 4)
@@ -46,7 +47,7 @@ void find_clipping(const PreparedTest& test, const std::vector<double>& channel,
 // Loop area and regression slope tell the channels apart by two signs (I 4); elastic enough to turn needs a loss
 // factor.
 void find_mixed_channels(PreparedTest& test, std::vector<FitWarning>& warnings) {
-  double energy = 0.0, sxf = 0.0, sxx = 0.0, loss = 0.0;
+  double energy = 0.0, sxf = 0.0, sxx = 0.0, sff = 0.0, loss = 0.0;
   for (const Cycle& cycle : test.cycles) {
     energy += cycle.measured.dissipated_energy;
     loss += std::abs(cycle.measured.loss_factor);
@@ -57,11 +58,12 @@ void find_mixed_channels(PreparedTest& test, std::vector<FitWarning>& warnings) 
       const double dx = test.displacement[i] - cycle.centre;
       sxf += dx * (test.force[i] - mean_f);
       sxx += dx * dx;
+      sff += (test.force[i] - mean_f) * (test.force[i] - mean_f);
     }
   }
   const bool open = test.cycles.front().open;  // the sign of its slope is all that it can tell
   if (!open && loss < k_least_loss * static_cast<double>(test.cycles.size())) return;
-  const bool turns_right = open ? sxf > 0.0 : energy > 0.0, rises = sxf > 0.0;
+  const bool turns_right = open ? sxf > 0.0 : energy > 0.0, rises = sxf > -k_no_slope * std::sqrt(sxx * sff);
   if (turns_right && rises) return;
   const std::string evidence =
       fmt::format("loop area {:.4g} J, slope {:.4g} N/m", energy / static_cast<double>(test.cycles.size()), sxf / sxx);
@@ -180,13 +182,14 @@ void find_tilt(const PreparedTest& test, std::vector<FitWarning>& warnings) {
 
 void diagnose(PreparedTest& test, std::vector<FitWarning>& warnings) {
   const std::string& name = test.source->name;
-  if (test.cycles.empty()) {
-    test.unusable = "no closed cycle";
-    warnings.push_back({"no_cycle", name, "the displacement closes no cycle; the test is left out of the fit"});
+  if (test.cycles.empty()) test.unusable = "no closed cycle";
+  if (!(central_range(test.source->displacement) > 0.0)) test.unusable = "a displacement that stands still";
+  if (!(central_range(test.force) > 0.0)) test.unusable = "a force that stands still";
+  if (!test.unusable.empty()) {
+    warnings.push_back({"unusable_test", name, test.unusable + "; the test is left out of the fit"});
+    for (Cycle& cycle : test.cycles) cycle.used = false;
     return;
   }
-  if (!test.unusable.empty())
-    warnings.push_back({"no_cycle", name, test.unusable + "; the test is left out of the fit"});
   if (test.cycles.front().open) {
     warnings.push_back(
         {"open_ramp", name, "one ramp without a way back: it tells the stiffness, friction and damping stay unknown"});

@@ -140,6 +140,7 @@ TestFit evaluate_fit(const PreparedTest& test, const AxisLaw* law) {
     one.measured = cycle.measured;
     if (law != nullptr) {
       one.fitted = loop_measures(test.displacement, fitted, fitted, cycle.span, test.frequency);
+      if (cycle.open) one.fitted = {.effective_stiffness = one.fitted.effective_stiffness};
       ErrorSums sums;
       for (std::size_t i = cycle.span.begin; i < cycle.span.end; ++i) {
         sums.add(test.force[i], fitted[i]);

@@ -107,10 +107,11 @@ AxisResults identify_axes(const std::vector<PreparedTest>& tests, int threads, c
 
 void require_usable_data(const RigRecord& rig, const std::vector<PreparedTest>& tests) {
   std::vector<InputFinding> findings;
-  for (const PreparedTest& test : tests) {
-    if (test.unusable.empty()) return;
-    findings.push_back({rig.path.string(), "/tests/" + test.source->name,
-                        "a test that closes cycles of force over displacement", test.unusable, ""});
+  for (std::size_t i = 0; i < tests.size(); ++i) {
+    if (tests[i].unusable.empty()) return;
+    findings.push_back({rig.path.string(), fmt::format("/tests/{}", i),
+                        "a test that closes cycles of force over displacement", tests[i].unusable,
+                        "test " + tests[i].source->name});
   }
   if (findings.empty()) findings.push_back({rig.path.string(), "/tests", "at least one test", "none", ""});
   throw InputError(findings);

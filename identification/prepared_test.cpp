@@ -14,8 +14,11 @@ namespace {
 constexpr double k_transition = 0.05;      // shift of a cycle's middle over its range (I 4: exactly the block changes)
 constexpr double k_same_amplitude = 0.05;  // half swings of one block agree within 5 %
 constexpr double k_settled = 0.03;         // |dE/E| to the predecessor; rubber never settles to the noise (I 4)
-constexpr double k_smooth_noise = 0.1;     // of a sample's step: less noise does not disturb the element histories
-constexpr double k_smooth_range = 0.003;   // noise over force range that would bias a force range
+constexpr std::size_t k_most_cycles =
+    10;  // of a block in the fit: cycles are not replicates (I 2), more only cost time
+constexpr std::size_t k_most_sine_samples = 20000;
+constexpr double k_smooth_noise = 0.1;    // of a sample's step: less noise does not disturb the element histories
+constexpr double k_smooth_range = 0.003;  // noise over force range that would bias a force range
 
 double median(std::vector<double> values) {
   const auto mid = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -109,10 +112,13 @@ void find_frequency(PreparedTest& test) {
   if (test.cycles.front().open) return;
   test.frequency = static_cast<double>(test.cycles.size()) / duration;
   if (test.source->kind != TestKind::cyclic) return;
-  const SineFit displacement = fit_sine(test.time, test.displacement, all, test.frequency);
+  std::size_t first = 0;  // the last cycles are enough
+  while (first + 1 < test.cycles.size() && all.end - test.cycles[first].span.begin > k_most_sine_samples) ++first;
+  const CycleSpan part{test.cycles[first].span.begin, all.end};
+  const SineFit displacement = fit_sine(test.time, test.displacement, part, test.frequency);
   test.frequency = displacement.frequency;
   test.sine_residual_displacement = displacement.relative_residual;
-  test.sine_residual_force = fit_sine(test.time, test.force, all, test.frequency).relative_residual;
+  test.sine_residual_force = fit_sine(test.time, test.force, part, test.frequency).relative_residual;
 }
 
 void mark_transitions(std::vector<Cycle>& cycles) {
@@ -151,7 +157,7 @@ void settle_block(PreparedTest& test, const std::vector<Cycle*>& block) {
     first = k;
     if (std::abs(now - before) <= tolerance) break;
   }
-  first = std::max(first, block.size() / 2);
+  first = std::max({first, block.size() / 2, block.size() - std::min(block.size(), k_most_cycles)});
   for (std::size_t k = 0; k < block.size(); ++k) {
     block[k]->used = k >= first;
     if (k < first) block[k]->note = "conditioning";
