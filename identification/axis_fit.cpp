@@ -18,9 +18,10 @@ constexpr int k_spring_intervals = 14;  // 12 to 16 (I 3)
 constexpr int k_full_stops = 12, k_full_branches = 10;
 constexpr int k_stops = 4,
               k_branches = 4;  // each costs time in every step of a run; 4 + 4 fit as well as 12 + 10 (I 5.5)
-constexpr double k_smallest_yield = 0.08;        // of the smallest amplitude
-constexpr double k_largest_yield = 0.6;          // of the largest amplitude
-constexpr double k_prune = 1e-3;                 // of the total stiffness of its kind
+constexpr double k_smallest_yield = 0.08;  // of the smallest amplitude
+constexpr double k_largest_yield = 0.6;    // of the largest amplitude
+constexpr double k_prune = 1e-3;           // of the total stiffness of its kind
+constexpr double k_unnoticed = 0.05;       // growth of the cost, which is mostly noise and model error, by a merger
 constexpr double k_least_frequency_ratio = 1.5;  // one frequency cannot tell a branch from a stop
 constexpr double k_kkt_limit = 1e-6;
 
@@ -66,13 +67,14 @@ Eigen::VectorXd solve(const Eigen::MatrixXd& moments, const Dictionary& dictiona
   return solve_nnls(moments.topLeftCorner(n, n), moments.col(moments.cols() - 1).head(n)).x;
 }
 
-// The few elements that stand for the full dictionary's.
-Dictionary condense(const Dictionary& full, const Eigen::VectorXd& coefficients) {
+// At most so many elements that stand for all of the dictionary's.
+Dictionary condense(const Dictionary& full, const Eigen::VectorXd& coefficients, std::size_t num_stops,
+                    std::size_t num_branches) {
   std::vector<Element> stops, branches;
   Eigen::Index at = full.spring.size();
   for (const double yield : full.yields) stops.push_back({yield, coefficients(at++)});
   for (const double time : full.relaxation_times) branches.push_back({time, coefficients(at++)});
-  return {full.spring, merge_to(stops, k_stops), merge_to(branches, k_branches)};
+  return {full.spring, merge_to(stops, num_stops), merge_to(branches, num_branches)};
 }
 
 // Leaves out elements without stiffness and sorts the rest, coefficients with them.
@@ -86,6 +88,56 @@ void tidy(AxisSolution& solution) {
   for (const FrictionStop& stop : stops) kept.yields.push_back(stop.yield);
   for (const MaxwellBranch& branch : branches) kept.relaxation_times.push_back(branch.relaxation_time);
   solution.dictionary = std::move(kept);
+}
+
+PolishBounds bounds_of(const Dictionary& full) {
+  PolishBounds bounds;
+  if (!full.yields.empty()) {
+    bounds.yield_low = full.yields.front();
+    bounds.yield_high = full.yields.back();
+  }
+  if (!full.relaxation_times.empty()) {
+    bounds.time_low = full.relaxation_times.front();
+    bounds.time_high = full.relaxation_times.back();
+  }
+  return bounds;
+}
+
+void settle_coefficients(const AxisData& data, AxisSolution& solution) {
+  const Dictionary& dictionary = solution.dictionary;
+  solution.coefficients = solve(weighted_sum(block_moments(data, dictionary, false), {}, dictionary), dictionary);
+}
+
+// Yields and times at their optimum, with the coefficients that belong to them.
+AxisSolution refine(const AxisData& data, const PolishBounds& bounds, Dictionary start) {
+  AxisSolution solution{std::move(start), {}, {}};
+  solution.summary = refine_nonlinear(data, bounds, solution.dictionary);
+  settle_coefficients(data, solution);
+  tidy(solution);
+  settle_coefficients(data, solution);
+  return solution;
+}
+
+// Merges neighbours as long as the data hardly notice: two branches that no test tells apart cost time in every step of
+// a run and leave neither of them identified.
+AxisSolution simplify(const AxisData& data, const PolishBounds& bounds, AxisSolution solution) {
+  const double budget = (1.0 + k_unnoticed) * solution.summary.final_cost;
+  for (bool merged = true; merged;) {
+    merged = false;
+    for (const bool of_branches : {true, false}) {
+      const std::size_t stops = solution.dictionary.yields.size(),
+                        branches = solution.dictionary.relaxation_times.size();
+      if ((of_branches ? branches : stops) < 2) continue;
+      AxisSolution simpler = refine(data, bounds,
+                                    condense(solution.dictionary, solution.coefficients, stops - (of_branches ? 0 : 1),
+                                             branches - (of_branches ? 1 : 0)));
+      simpler.summary.iterations += solution.summary.iterations;
+      if (simpler.summary.final_cost > budget) continue;
+      solution = std::move(simpler);
+      merged = true;
+    }
+  }
+  return solution;
 }
 
 }  // namespace
@@ -118,23 +170,9 @@ AxisSolution fit_axis(const AxisData& data) {
   const Dictionary full = full_dictionary(data);
   const Eigen::MatrixXd full_moments = weighted_sum(block_moments(data, full, false), {}, full);
   const double first_cost = full_moments(full_moments.rows() - 1, full_moments.cols() - 1);
-  AxisSolution solution{condense(full, solve(full_moments, full)), {}, {}};
-
-  PolishBounds bounds;
-  if (!full.yields.empty()) {
-    bounds.yield_low = full.yields.front();
-    bounds.yield_high = full.yields.back();
-  }
-  if (!full.relaxation_times.empty()) {
-    bounds.time_low = full.relaxation_times.front();
-    bounds.time_high = full.relaxation_times.back();
-  }
-  solution.summary = refine_nonlinear(data, bounds, solution.dictionary);
-  solution.coefficients = solve(weighted_sum(block_moments(data, solution.dictionary, false), {}, solution.dictionary),
-                                solution.dictionary);
-  tidy(solution);
-  solution.coefficients = solve(weighted_sum(block_moments(data, solution.dictionary, false), {}, solution.dictionary),
-                                solution.dictionary);
+  const PolishBounds bounds = bounds_of(full);
+  const Dictionary few = condense(full, solve(full_moments, full), k_stops, k_branches);
+  AxisSolution solution = simplify(data, bounds, refine(data, bounds, few));
   const SolverSummary joint = polish_jointly(data, bounds, solution.dictionary, solution.coefficients);
 
   // Ceres alone reports convergence far from the optimum of a non-negative problem (I 3): settle the linear part

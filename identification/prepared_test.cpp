@@ -166,7 +166,8 @@ void settle_block(PreparedTest& test, const std::vector<Cycle*>& block) {
 
 void choose_cycles(PreparedTest& test) {
   if (test.cycles.empty()) return;
-  mark_transitions(test.cycles);
+  if (test.source->kind == TestKind::cyclic)
+    mark_transitions(test.cycles);  // a ramp's first cycle creeps: conditioning
   test.blocks = number_blocks(test.cycles);
   if (test.source->discard_cycles) {
     for (std::size_t k = 0; k < test.cycles.size(); ++k) {
