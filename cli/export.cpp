@@ -20,7 +20,8 @@ struct Options {
 
 std::string last_part(const std::string& path) { return path.substr(path.rfind('/') + 1); }
 std::string group_of(const std::string& path) { return path.substr(0, path.rfind('/')); }
-bool holds_names(const std::string& path) { return last_part(path) == "names"; }
+/// Datasets of words end so: /joints/names, /steps/limit_names.
+bool holds_names(const std::string& path) { return path.ends_with("names"); }
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
   for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
@@ -87,9 +88,9 @@ bool single_precision(const std::vector<double>& values) {
 }
 
 std::string csv_of(const RunReader& run, const std::string& path) {
+  if (holds_names(path)) return "name\n" + joined(run.read_names(path), "\n") + "\n";
   const std::vector<std::string> names =
       run.has(group_of(path) + "/names") ? run.read_names(group_of(path) + "/names") : std::vector<std::string>();
-  if (holds_names(path)) return "name\n" + joined(names, "\n") + "\n";
   const Array array = run.read(path);
   const std::string time_path = time_of(run, path, array.rows());
   const Array time = time_path.empty() ? Array{} : run.read(time_path);

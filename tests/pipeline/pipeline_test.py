@@ -65,7 +65,7 @@ class Pipeline(unittest.TestCase):
 
     def test_run_was_driven_with_the_identified_bushing(self):
         provenance = self.read_json("run", "run.json")["provenance"]
-                with open(self.path("identification", "bushing.json"), "rb") as file:
+        with open(self.path("identification", "bushing.json"), "rb") as file:
             digest = hashlib.sha256(file.read()).hexdigest()
         self.assertIn(digest, json.dumps(provenance))
 
