@@ -22,13 +22,13 @@ Opened open_folders(const std::vector<std::filesystem::path>& folders) {
   Opened opened;
   std::vector<InputFinding> findings;
   for (const std::filesystem::path& folder : folders) {
+    if (!std::filesystem::exists(folder)) throw FileError("cannot read " + folder.string() + ": no such folder");
     if (std::filesystem::exists(folder / "run.json"))
       opened.runs.push_back(open_run(folder));
     else if (std::filesystem::exists(folder / "fit.json"))
       opened.fits.push_back(open_fit(folder));
     else
-      findings.push_back({folder.string(), "", "a run folder (run.json) or a fit folder (fit.json)",
-                          std::filesystem::exists(folder) ? "neither" : "no such folder", ""});
+      findings.push_back({folder.string(), "", "a run folder (run.json) or a fit folder (fit.json)", "neither", ""});
   }
   if (!findings.empty()) throw InputError(findings);
   return opened;
