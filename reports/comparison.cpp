@@ -53,11 +53,10 @@ json table(const std::vector<RunFolder>& runs) {
     for (const RunResult& result : run.summary.results) {
       if (std::ranges::find(seen, result.name) != seen.end()) continue;
       seen.push_back(result.name);
-      rows.push_back(row(runs, result.meaning.empty() ? result.name : result.meaning, result.unit,
-                         [&](const RunSummary& s) -> Optional {
-                           const auto found = std::ranges::find(s.results, result.name, &RunResult::name);
-                           return found == s.results.end() ? Optional{} : Optional{found->value};
-                         }));
+      rows.push_back(row(runs, result_label(result), result.unit, [&](const RunSummary& s) -> Optional {
+        const auto found = std::ranges::find(s.results, result.name, &RunResult::name);
+        return found == s.results.end() ? Optional{} : Optional{found->value};
+      }));
     }
   return rows;
 }
@@ -84,7 +83,8 @@ json comparison_facts(const std::vector<RunFolder>& runs, const std::string& id,
       overlay(runs, "compare_torque", "Sprocket torque", "Drive torque of the right sprocket.", "Drive torque [kN m]",
               "/probes/time", [](const RunFolder& run) { return scaled(sprocket_torque(run, Side::right), 1e-3); })};
   for (const Figure& figure : figures)
-    if (!figure.panels.front().series.empty()) facts["figures"].push_back(figure_block(figure, id + "-figure-" + figure.name));
+    if (!figure.panels.front().series.empty())
+      facts["figures"].push_back(figure_block(figure, id + "-figure-" + figure.name));
   return facts;
 }
 

@@ -19,7 +19,9 @@ using nlohmann::json;
 constexpr std::size_t k_max_chart_rows =
     8000;  // of one curve set: about ten points a pixel column, so that a zoom still shows peaks
 
-std::string encoded_png(const Figure& figure, Theme theme) {
+/// Without its title: the page has it as a heading.
+std::string encoded_png(Figure figure, Theme theme) {
+  figure.title.clear();
   const std::vector<std::uint8_t> png = encode_png(draw(figure, theme));
   return base64({reinterpret_cast<const char*>(png.data()), png.size()});
 }

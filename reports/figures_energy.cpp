@@ -51,6 +51,25 @@ Series sum_of(const std::string& name, const std::vector<double>& time, const st
   return sum;
 }
 
+/// Mean step in windows of time, weighted by steps: what the eye cannot take from the dense curve.
+Series mean_of(const Series& steps, double duration) {
+  constexpr std::size_t k_windows = 170;
+  std::vector<double> sum(k_windows, 0.0), count(k_windows, 0.0);
+  for (std::size_t i = 0; i < steps.x.size(); ++i) {
+    const double window = steps.x[i] / std::max(duration, 1e-9) * k_windows;
+    const auto w = static_cast<std::size_t>(std::clamp(window, 0.0, k_windows - 1.0));
+    sum[w] += steps.y[i];
+    count[w] += 1.0;
+  }
+  Series mean{.name = "mean", .x = {}, .y = {}, .width = 2.2f};
+  for (std::size_t w = 0; w < k_windows; ++w) {
+    if (count[w] == 0.0) continue;
+    mean.x.push_back((static_cast<double>(w) + 0.5) * duration / k_windows);
+    mean.y.push_back(sum[w] / count[w]);
+  }
+  return mean;
+}
+
 /// Running integral of |sprocket power| of both sides [J] at the times of the samples, trapezoid over the probes' finer
 /// times.
 std::vector<double> power_integral(const RunFolder& run, const std::vector<double>& time) {
@@ -79,6 +98,7 @@ Figure figure_step_size(const RunFolder& run) {
                          .x = require_column(run, "/steps/time"),
                          .y = scaled(require_column(run, "/steps/size"), 1e3),
                          .width = 1.0f});
+  step.series.push_back(mean_of(step.series.front(), run.summary.simulated_time));
   Panel speed = time_panel("Vehicle speed", "Speed v [m/s]");
   speed.series.push_back({.name = "vehicle", .x = require_column(run, "/time"), .y = forward_speed(run)});
   return stacked_figure(

@@ -155,6 +155,12 @@ Figure figure_torque_spectrum(const RunFolder& run) {
   }
   const double passing = run.vehicle.side(Side::right).sprocket.teeth *
                          std::abs(drive_speed(run, Side::right, window.begin)) / (2.0 * k_pi);
+  // Six harmonics tell the story; beyond them the line is fine print. Four decades below the peak is noise.
+  double peak = 0.0;
+  for (const Series& series : panel.series)
+    for (const double amplitude : series.y) peak = std::max(peak, amplitude);
+  panel.x_range = {{0.0, std::min(0.5 * rate, 6.2 * passing)}};
+  if (peak > 0.0) panel.y_range = {{1e-4 * peak, 2.5 * peak}};
   if (passing < 0.5 * rate) panel.marks.push_back({passing, true, number_text(passing, 3) + " Hz link passing"});
   return stacked_figure(
       "torque_spectrum", "Spectrum of the sprocket torque",

@@ -201,11 +201,13 @@ json fit_facts(const FitFolder& folder, const std::string& id, int level) {
   const FitRecord& fit = folder.fit;
   json facts{{"id", id}, {"kind", "fit"}, {"level", level}, {"sublevel", level + 1}, {"figure_level", level + 2}};
   facts["title"] = fit.specimen;
-  facts["subtitle"] = fmt::format("Identification of bushing {}", folder.bushing.name);
+  facts["subtitle"] = fmt::format("Stiffness and damping along {} {} from {} tests", fit.axes.size(),
+                                  fit.axes.size() == 1 ? "axis" : "axes", fit.tests.size());
   facts["checks"] = check_facts(fit);
   facts["has_checks"] = true;
   facts["verdict"] = fit_verdict(fit);
   facts["headline"] = headline_facts(fit);
+  facts["tile_columns"] = tile_columns(facts["headline"].size());
   facts["synthetic"] = json::array();
   if (fit.synthetic)
     facts["synthetic"].push_back(fit.synthetic_note.empty() ? "The rig data are generated, not measured."

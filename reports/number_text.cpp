@@ -42,12 +42,13 @@ struct Ladder {
   std::string_view unit;
   std::array<Scaled, 4> steps;
 };
-constexpr std::array<Ladder, 8> k_ladders{{
+constexpr std::array<Ladder, 9> k_ladders{{
     {"N", {{{1e-6, "MN"}, {1e-3, "kN"}, {1.0, "N"}, {1.0, "N"}}}},
     {"N m", {{{1e-6, "MN m"}, {1e-3, "kN m"}, {1.0, "N m"}, {1.0, "N m"}}}},
     {"J", {{{1e-6, "MJ"}, {1e-3, "kJ"}, {1.0, "J"}, {1e3, "mJ"}}}},
     {"W", {{{1e-6, "MW"}, {1e-3, "kW"}, {1.0, "W"}, {1.0, "W"}}}},
     {"m", {{{1.0, "m"}, {1e3, "mm"}, {1e6, "µm"}, {1e6, "µm"}}}},
+    {"m/s", {{{1.0, "m/s"}, {1e3, "mm/s"}, {1e6, "µm/s"}, {1e6, "µm/s"}}}},
     {"s", {{{1.0, "s"}, {1e3, "ms"}, {1e6, "µs"}, {1e6, "µs"}}}},
     {"N/m", {{{1e-6, "kN/mm"}, {1e-3, "kN/m"}, {1.0, "N/m"}, {1.0, "N/m"}}}},
     {"N m/rad", {{{1e-6, "MN m/rad"}, {1e-3, "kN m/rad"}, {1.0, "N m/rad"}, {1.0, "N m/rad"}}}},

@@ -41,6 +41,10 @@ struct FitFolder {
 
 /// {value, text} of a value in SI.
 [[nodiscard]] nlohmann::json quantity_facts(double value, const std::string& unit, int digits = 4);
+/// "largest tension" of the result "largest_tension_N".
+[[nodiscard]] std::string result_label(const RunResult& result);
+/// Columns in which so many headline tiles stand well: the last row is nearly full.
+[[nodiscard]] int tile_columns(std::size_t num_tiles);
 /// {label, value, text} of one line of a table or one headline tile.
 [[nodiscard]] nlohmann::json labelled_quantity(const std::string& label, double value, const std::string& unit,
                                                int digits = 4);

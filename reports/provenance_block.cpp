@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "reports/number_text.h"
 #include "reports/pages.h"
 
@@ -9,6 +11,20 @@ json quantity_facts(double value, const std::string& unit, int digits) {
   return {{"value", value}, {"unit", unit}, {"text", quantity_text(value, unit, digits)}};
 }
 
+std::string result_label(const RunResult& result) {
+  std::string suffix = "_";
+  for (const char c : result.unit) suffix += c == '/' ? std::string("_per_") : c == ' ' ? "_" : std::string(1, c);
+  std::string label = result.name;
+  if (label.size() > suffix.size() && label.ends_with(suffix)) label.resize(label.size() - suffix.size());
+  std::ranges::replace(label, '_', ' ');
+  return label;
+}
+
+int tile_columns(std::size_t num_tiles) {
+  if (num_tiles <= 5) return static_cast<int>(num_tiles);
+  return num_tiles == 6 ? 3 : num_tiles <= 8 ? 4 : 5;
+}
+
 json labelled_quantity(const std::string& label, double value, const std::string& unit, int digits) {
   json facts = quantity_facts(value, unit, digits);
   facts["label"] = label;
@@ -16,11 +32,8 @@ json labelled_quantity(const std::string& label, double value, const std::string
 }
 
 json provenance_facts(const Provenance& provenance, const std::vector<std::string>& commands) {
-  json facts{{"program", provenance.program},
-             {"version", provenance.version}, {"hash", "SHA-256"},
-             {"commands", commands},
-             {"inputs", json::array()},
-             {"options", json::array()}};
+  json facts{{"program", provenance.program}, {"version", provenance.version}, {"hash", "SHA-256"},
+             {"commands", commands},          {"inputs", json::array()},       {"options", json::array()}};
   for (const Provenance::Input& input : provenance.inputs)
     facts["inputs"].push_back({{"role", input.role}, {"path", input.path}, {"sha256", input.sha256}});
   for (const auto& [name, value] : provenance.options) facts["options"].push_back({{"name", name}, {"value", value}});

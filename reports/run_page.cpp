@@ -108,8 +108,9 @@ json table_facts(const RunSummary& summary) {
 json result_facts(const RunSummary& summary) {
   json rows = json::array();
   for (const RunResult& result : summary.results) {
-    json row = labelled_quantity(result.meaning.empty() ? result.name : result.meaning, result.value, result.unit);
+    json row = labelled_quantity(result_label(result), result.value, result.unit);
     row["name"] = result.name;
+    row["meaning"] = result.meaning;
     rows.push_back(row);
   }
   return rows;
@@ -203,11 +204,12 @@ json run_facts(const RunFolder& run, const std::string& id, int level) {
   facts["title"] = summary.name;
   facts["subtitle"] = fmt::format("{} · {}", summary.vehicle_name, summary.bushing_name);
   facts["status"] = name_of(summary.status);
-  facts["message"] = summary.message;
+  facts["message"] = summary.status == RunStatus::completed ? "" : summary.message;  // else the verdict says it
   facts["verdict"] = run_verdict(summary);
   facts["checks"] = check_facts(summary);
   facts["has_checks"] = !summary.checks.empty();
   facts["headline"] = run_headline(summary);
+  facts["tile_columns"] = tile_columns(facts["headline"].size());
   facts["synthetic"] = synthetic_notes(run);
   facts["is_synthetic"] = !facts["synthetic"].empty();
   facts["playback"] = playback_facts(run);

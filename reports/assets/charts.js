@@ -47,7 +47,7 @@ const grouserCharts = (() => {
     c.save();
     c.beginPath(); c.rect(box.left, box.top, box.width, box.height); c.clip();
     c.strokeStyle = c.fillStyle = css("--soft");
-    c.lineWidth = ratio; c.setLineDash([4 * ratio, 3 * ratio]);
+    c.textAlign = "left"; c.lineWidth = ratio; c.setLineDash([4 * ratio, 3 * ratio]);
     c.font = `${11.5 * ratio}px ${getComputedStyle(document.body).fontFamily}`;
     for (const mark of panel.marks) {
       const at = Math.round(u.valToPos(mark.at, mark.vertical ? "x" : "y", true)) + 0.5;
@@ -63,7 +63,7 @@ const grouserCharts = (() => {
   }
 
   // A constant still needs a height to stand in.
-  const paddedRange = (u, low, high) => low == null ? [0, 1] : low === high ? [low - Math.max(1, Math.abs(low)) * 0.5, high + Math.max(1, Math.abs(high)) * 0.5]
+  const paddedRange = (u, low, high) => low == null || (low === 0 && high === 0) ? [0, 1] : low === high ? [low - Math.max(1, Math.abs(low)) * 0.5, high + Math.max(1, Math.abs(high)) * 0.5]
     : uPlot.rangeNum(low, high, 0.08, true);
 
   // Zoom of one chart over time is the zoom of all of them.
@@ -94,9 +94,10 @@ const grouserCharts = (() => {
     chart.keys = panel.series.map((series, i) => {
       const key = document.createElement("button");
       key.type = "button";
-      key.className = series.style === "dashed" ? "dashed" : "";
+      const alone = panel.series.length === 1 && panel.title;  // the panel's title names it already
+      key.className = alone ? "alone" : series.style === "dashed" ? "dashed" : "";
       key.setAttribute("aria-pressed", "true");
-      key.append((panel.series.length > 1 || !panel.title ? series.name : "") + " ", document.createElement("b"));
+      key.append(alone ? "" : series.name + " ", document.createElement("b"));
       key.onclick = () => {
         const shown = !chart.u.series[i + 1].show;
         chart.u.setSeries(i + 1, { show: shown });
@@ -120,7 +121,7 @@ const grouserCharts = (() => {
       ticks: { show: false }, gap: 6, values: (u, splits) => splits.map(tick), ...extra });
     const dash = { dashed: [6, 4] };
     return {
-      width, height, legend: { show: false }, padding: [8, 12, 0, 0],
+      width, height, pxAlign: 0, legend: { show: false }, padding: [8, 12, 0, 0],
       scales: {
         x: { time: false, distr: panel.log_x ? 3 : 1, ...(panel.x_range ? { range: panel.x_range } : {}) },
         y: { distr: panel.log_y ? 3 : 1, ...(panel.y_range ? { range: panel.y_range } : panel.log_y ? {} : { range: paddedRange }) },

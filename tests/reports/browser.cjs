@@ -46,7 +46,9 @@ async function charts(page) {
   // A zoom of one chart over time is the zoom of all of them, and a double click takes it back.
   const ranges = () => page.evaluate(() => grouserCharts.all.filter(c => c.linked).map(c => c.u.scales.x.max - c.u.scales.x.min));
   const before = await ranges();
-  const over = await (await page.$(".uplot .u-over")).boundingBox();
+  const plot = await page.$(".uplot .u-over");
+  await plot.scrollIntoViewIfNeeded();
+  const over = await plot.boundingBox();
   await page.mouse.move(over.x + over.width * 0.3, over.y + over.height / 2);
   await page.mouse.down();
   await page.mouse.move(over.x + over.width * 0.5, over.y + over.height / 2, { steps: 5 });
