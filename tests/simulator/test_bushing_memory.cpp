@@ -1,0 +1,188 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "model/bushing_law.h"
+#include "simulator/bushings.h"
+#include "tests/support/scenes.h"
+
+namespace grouser::test {
+namespace {
+
+/// Two links in a row, pulled apart by x(t). Joint 1 closes the chain backwards and moves by -x, so that energies and
+/// losses are twice those of one joint.
+class PulledPair {
+ public:
+  explicit PulledPair(const Bushing& bushing)
+      : system_(compile(parked(bare_vehicle(2), bushing, 0.0))),
+        state(strewn_state(system_)),
+        work(make_workspace(system_)) {
+    system_.tracks[1].num_links = 0;
+    place(0.0, 0.0);
+    relax_rubber(system_, state);
+    history_ = state.history;
+  }
+  /// One step of length h to stretch x at rate v; books the losses.
+  void step(double x, double v, double h) {
+    place(x, v);
+    work.energy = {};
+    place_links(system_, state, work);
+    bushing_forces(system_, {}, history_, h, state, work);
+    history_ = state.history;
+    step_loss += 0.5 * work.energy.bushing_step_loss;
+    EXPECT_GE(work.energy.bushing_step_loss, -1e-18 * 1e6) << "a step cannot gain energy";
+  }
+  [[nodiscard]] double force(int joint = 0) const { return work.bushing_force[0][joint]; }
+
+ private:
+  void place(double x, double v) {
+    LinkMotion b;
+    b.position.x() = system_.tracks[0].pitch + x;
+    b.velocity.x() = v;
+    set_link(state, 0, {});
+    set_link(state, 1, b);
+    close_chains(system_, state);
+  }
+  System system_;
+  History history_;
+
+ public:
+  State state;
+  Workspace work;
+  double step_loss = 0.0;  ///< J, of one joint
+};
+
+TEST(BushingMemory, FrictionStopLosesTheAreaOfItsLoop) {
+  constexpr double k = 2e7, yield = 1e-4, amplitude = 4e-4;
+  Bushing bushing = no_bushing();
+  bushing.axis(Axis::x).stops = {{k, yield}};
+  PulledPair pair(bushing);
+  // A full loop of an elastic-plastic element: 4 k r (X - r), whatever the number of steps.
+  for (const int steps : {40, 400}) {
+    const auto cycle = [&] {
+      for (int i = 1; i <= steps; ++i) {
+        const double phase = 2.0 * k_pi * i / steps;
+        pair.step(amplitude * std::sin(phase), 0.0, 1e-4);
+      }
+    };
+    cycle();  // the first one starts in the middle of the elastic range
+    pair.step_loss = 0.0;
+    cycle();
+    EXPECT_NEAR(pair.step_loss / (4.0 * k * yield * (amplitude - yield)), 1.0, 1e-11) << steps << " steps";
+  }
+}
+
+TEST(BushingMemory, SmallMotionInsideAStopLosesNothing) {
+  Bushing bushing = no_bushing();
+  bushing.axis(Axis::x).stops = {{2e7, 1e-4}};
+  PulledPair pair(bushing);
+  for (int i = 1; i <= 400; ++i) pair.step(0.99e-4 * std::sin(2.0 * k_pi * i / 100.0), 0.0, 1e-4);
+  EXPECT_NEAR(pair.step_loss, 0.0, 1e-18 * 2e7);
+}
+
+TEST(BushingMemory, StopsInParallelFollowMasingsRule) {
+  // Between turning points the loop is the first loading doubled: F = -F_max + 2 f((x + X) / 2).
+  const std::vector<FrictionStop> stops{{1e7, 5e-5}, {5e6, 1e-4}, {3e6, 2e-4}};
+  Bushing bushing = no_bushing();
+  bushing.axis(Axis::x).stops = stops;
+  PulledPair pair(bushing);
+  const auto first_loading = [&](double x) {
+    double f = 0.0;
+    for (const FrictionStop& stop : stops) f += stop.stiffness * std::min(x, stop.yield);
+    return f;
+  };
+  constexpr double amplitude = 3e-4;
+  for (int i = 1; i <= 300; ++i) pair.step(-amplitude * i / 300.0, 0.0, 1e-4);
+  const double least = pair.force();
+  EXPECT_NEAR(least, -first_loading(amplitude), 1e-6);
+  for (int i = 1; i <= 600; ++i) {
+    const double x = -amplitude + 2.0 * amplitude * i / 600.0;
+    pair.step(x, 0.0, 1e-4);
+    ASSERT_NEAR(pair.force(), least + 2.0 * first_loading(0.5 * (x + amplitude)), 1e-6);  // of 1 kN: round-off
+  }
+}
+
+struct Harmonic {
+  double loss, in_phase, out_of_phase;
+};
+Harmonic shake(const Bushing& bushing, double omega, double amplitude, int steps_a_cycle) {
+  PulledPair pair(bushing);
+  const double h = 2.0 * k_pi / omega / steps_a_cycle;
+  Harmonic result{0.0, 0.0, 0.0};
+  constexpr int k_cycles = 60;
+  for (int i = 1; i <= k_cycles * steps_a_cycle; ++i) {
+    if (i == (k_cycles - 1) * steps_a_cycle + 1) pair.step_loss = 0.0;
+    const double phase = 2.0 * k_pi * i / steps_a_cycle;
+    pair.step(amplitude * std::sin(phase), amplitude * omega * std::cos(phase), h);
+    if (i <= (k_cycles - 1) * steps_a_cycle) continue;
+    result.in_phase += 2.0 / steps_a_cycle / amplitude * pair.force() * std::sin(phase);
+    result.out_of_phase += 2.0 / steps_a_cycle / amplitude * pair.force() * std::cos(phase);
+  }
+  result.loss = pair.step_loss;
+  return result;
+}
+
+TEST(BushingMemory, MaxwellBranchHasItsComplexStiffness) {
+  // K* = i w c / (1 + i w c / k), loss per cycle pi c w X^2 / (1 + (w c / k)^2), c = k tau (D 6.4).
+  constexpr double k = 1e7, tau = 2e-3, c = k * tau, amplitude = 2e-4;
+  Bushing bushing = no_bushing();
+  bushing.axis(Axis::x).branches = {{k, tau}};
+  for (const double frequency : {1.0, 10.0, 71.6, 500.0}) {
+    const double omega = 2.0 * k_pi * frequency, wt = omega * tau;
+    const Harmonic at = shake(bushing, omega, amplitude, 2000);
+    // Constant rate within each of 2000 steps a cycle: error (2 pi / 2000)^2 / 12 and less.
+    EXPECT_NEAR(at.loss / (k_pi * c * omega * amplitude * amplitude / (1.0 + wt * wt)), 1.0, 3e-6) << frequency;
+    // The polygon's own harmonics fold back into the samples: 1e-4 of |K*|.
+    const double size = k * wt / std::sqrt(1.0 + wt * wt);
+    EXPECT_NEAR(at.in_phase / size, wt / std::sqrt(1.0 + wt * wt), 1e-4) << frequency;
+    EXPECT_NEAR(at.out_of_phase / size, 1.0 / std::sqrt(1.0 + wt * wt), 1e-4) << frequency;
+  }
+}
+
+TEST(BushingMemory, MaxwellBranchRelaxesExponentially) {
+  constexpr double k = 1e7, tau = 2e-3, x = 1e-4;
+  Bushing bushing = no_bushing();
+  bushing.axis(Axis::x).branches = {{k, tau}};
+  PulledPair pair(bushing);
+  pair.step(x, 0.0, 1e-12);  // a sudden stretch: the branch is a spring
+  EXPECT_NEAR(pair.force(), k * x, 1e-6);
+  for (int i = 0; i < 100; ++i) pair.step(x, 0.0, 5e-5);
+  EXPECT_NEAR(pair.force(), k * x * std::exp(-100 * 5e-5 / tau),
+              1e-7);  // exact for any step; the first one took 1e-12 s
+  EXPECT_NEAR(pair.step_loss, 0.5 * k * x * x * (1.0 - std::exp(-200 * 5e-5 / tau)), 1e-7);
+}
+
+TEST(BushingMemory, WorkOfARandomMotionIsStoredOrLost) {
+  // The whole law along x in 1e5 steps: work done on the joint against what it stores and loses.
+  const Bushing bushing = rubber_bushing();
+  const auto motion = [](double t) {
+    return 3e-4 * std::sin(40.0 * t) + 2e-4 * std::sin(153.0 * t + 1.0) + 1e-4 * std::sin(611.0 * t);
+  };
+  const auto rate = [&](double t) { return (motion(t + 1e-6) - motion(t - 1e-6)) / 2e-6; };
+  const auto defect = [&](int steps) {
+    PulledPair pair(bushing);
+    const double h = 0.5 / steps;
+    pair.step(motion(0.0), rate(0.0), 0.0);
+    const double start = pair.work.energy.bushing;
+    double work_done = 0.0, lost = 0.0, power = pair.work.energy.bushing_power, x = motion(0.0);
+    double pull = pair.force(0) - pair.force(1);  // joint 1 moves the other way
+    pair.step_loss = 0.0;
+    for (int i = 1; i <= steps; ++i) {
+      const double t = i * h, next = motion(t);
+      pair.step(next, rate(t), h);
+      const double next_pull = pair.force(0) - pair.force(1), next_power = pair.work.energy.bushing_power;
+      work_done += 0.5 * (pull + next_pull) * (next - x);
+      lost += 0.5 * h * (power + next_power);
+      pull = next_pull, power = next_power, x = next;
+    }
+    EXPECT_GT(pair.step_loss, 1.0);  // J: there is something to balance
+    return std::abs(work_done - (pair.work.energy.bushing - start) - lost - 2.0 * pair.step_loss);
+  };
+  const double coarse = defect(20000), fine = defect(80000);
+  EXPECT_LT(fine, 1e-4);          // J, the trapezoid of the work, of 20 J
+  EXPECT_LT(fine, 0.2 * coarse);  // of second order, the corners of the stops apart
+}
+
+}  // namespace
+}  // namespace grouser::test
