@@ -10,9 +10,9 @@
 namespace grouser {
 
 struct RenderOptions {
-  int width = 1280, height = 720;   ///< even
+  int width = 1280, height = 720;  ///< even
   double fps = 30.0;
-  std::string camera = "chase";     ///< see camera_names()
+  std::string camera = "chase";  ///< see camera_names()
 };
 
 [[nodiscard]] std::vector<std::string> camera_names();

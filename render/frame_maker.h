@@ -1,0 +1,36 @@
+#pragma once
+#include "render/gl_canvas.h"
+#include "render/render.h"
+#include "render/scene_renderer.h"
+
+namespace grouser {
+
+/// Pictures of one run in one size: poses, scene, camera, caption.
+class FrameMaker {
+ public:
+  /// `supersampling`: pixels drawn for one pixel of the picture, along each axis; stills take 2. The run must outlive
+  /// it.
+  FrameMaker(const RunFolder& run, const RenderOptions& options, int supersampling);
+
+  [[nodiscard]] Image at(double time);
+  [[nodiscard]] double first_time() const { return poses_.first_time(); }
+  [[nodiscard]] double last_time() const { return poses_.last_time(); }
+
+ private:
+  void write_caption(const VehiclePose& pose);
+
+  RenderOptions options_;
+  int supersampling_;
+  std::string name_, note_;
+  PoseReader poses_;
+  VehicleModel model_;
+  double start_heading_ = 0.0;
+  GlContext context_;
+  SceneRenderer renderer_;
+  GlCanvas caption_;
+};
+
+/// Picture of a vehicle in a pose without a run.
+[[nodiscard]] Image render_pose(const Vehicle& vehicle, const VehiclePose& pose, const RenderOptions& options = {});
+
+}  // namespace grouser

@@ -1,0 +1,112 @@
+#include "render/scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/parts.h"
+
+namespace grouser {
+namespace {
+
+constexpr int k_tinted_every = 10;
+const Eigen::Vector4f k_link_tint(0.75f, 0.42f, 0.07f, 0.55f);   ///< amber
+const Eigen::Vector4f k_probe_tint(0.80f, 0.06f, 0.03f, 0.80f);  ///< red
+
+using Placed = Eigen::Affine3d;
+
+Placed placed(const Vector3d& position, double angle = 0.0) {
+  return Eigen::Translation3d(position) * Placed(Eigen::AngleAxisd(angle, Vector3d::UnitY()));
+}
+
+Placed placed(const BodyPose& pose) { return Eigen::Translation3d(pose.position) * Placed(pose.orientation); }
+
+Instance instance(const Placed& X_WB, const Eigen::Vector4f& tint = Eigen::Vector4f::Zero()) {
+  return {X_WB.matrix().cast<float>(), tint};
+}
+
+}  // namespace
+
+VehicleModel::VehicleModel(const Vehicle& vehicle, const std::vector<ProbeLink>& probes)
+    : vehicle_(vehicle), probes_(probes) {
+  auto meshes = std::make_shared<std::vector<SceneMesh>>();
+  const auto add = [&meshes](Mesh shape, Mesh shadow = {}) {
+    meshes->push_back({std::move(shape), std::move(shadow)});
+    return meshes->size() - 1;
+  };
+  chassis_mesh_ = add(chassis_mesh(vehicle));
+  for (std::size_t s = 0; s < k_num_sides; ++s) {
+    const RunningGear& gear = vehicle.sides[s];
+    const double inboard = gear.track_center_y > 0.0 ? -1.0 : 1.0;
+    SideMeshes& own = side_meshes_[s];
+    for (const Station& station : gear.stations) {
+      own.arms.push_back(add(arm_mesh(station.wheel.center - station.pivot, station.wheel, inboard)));
+      own.wheels.push_back(add(road_wheel_mesh(station.wheel)));
+    }
+    for (const DiscPair& roller : gear.support_rollers) own.rollers.push_back(add(roller_mesh(roller)));
+    own.idler_arm = add(arm_mesh(gear.idler.wheel.center - gear.idler.pivot, gear.idler.wheel, inboard));
+    own.idler = add(idler_mesh(gear.idler.wheel));
+    own.sprocket = add(sprocket_mesh(gear.sprocket, gear.track));
+    own.link = add(link_mesh(gear.track), link_shadow_mesh(gear.track));
+  }
+  meshes_ = std::move(meshes);
+}
+
+Scene VehicleModel::place(const VehiclePose& pose) const {
+  Scene scene;
+  scene.meshes = meshes_;
+  scene.instances.resize(meshes_->size());
+  const auto put = [&scene](std::size_t mesh, const Instance& at) { scene.instances[mesh].push_back(at); };
+  const Placed X_WV = placed(pose.chassis);
+  put(chassis_mesh_, instance(X_WV));
+  for (const Side side : {Side::left, Side::right}) {
+    const auto s = static_cast<std::size_t>(index_of(side));
+    const RunningGear& gear = vehicle_.sides[s];
+    const SideAngles& angles = pose.angles[s];
+    const SideMeshes& mesh = side_meshes_[s];
+    for (std::size_t i = 0; i < gear.stations.size(); ++i) {
+      const Station& station = gear.stations[i];
+      const Placed X_WA = X_WV * placed(station.pivot, angles.arms[i]);
+      put(mesh.arms[i], instance(X_WA));
+      put(mesh.wheels[i], instance(X_WA * placed(station.wheel.center - station.pivot, angles.wheels[i])));
+    }
+    for (std::size_t i = 0; i < gear.support_rollers.size(); ++i)
+      put(mesh.rollers[i], instance(X_WV * placed(gear.support_rollers[i].center, angles.rollers[i])));
+    const Placed X_WI = X_WV * placed(gear.idler.pivot, angles.idler_arm);
+    put(mesh.idler_arm, instance(X_WI));
+    put(mesh.idler, instance(X_WI * placed(gear.idler.wheel.center - gear.idler.pivot, angles.idler)));
+    put(mesh.sprocket, instance(X_WV * placed(gear.sprocket.center, angles.sprocket)));
+    for (std::size_t i = 0; i < pose.links[s].size(); ++i) {
+      const bool probe = std::any_of(probes_.begin(), probes_.end(), [&](const ProbeLink& p) {
+        return p.side == side && p.link == static_cast<int>(i);
+      });
+      const Eigen::Vector4f tint = probe                     ? k_probe_tint
+                                   : i % k_tinted_every == 0 ? k_link_tint
+                                                             : Eigen::Vector4f(Eigen::Vector4f::Zero());
+      put(mesh.link, instance(placed(pose.links[s][i]), tint));
+    }
+  }
+  const Subject about = subject(pose, 0.0);
+  const Vector3d middle = X_WV * Vector3d(0.5 * (about.front + about.rear), 0.0, 0.9);
+  scene.shadow_center = middle.cast<float>();
+  scene.shadow_radius = 0.5f * (about.front - about.rear) + 1.9f;  // a gun may reach out of it; its end casts none
+  scene.footprint.center = middle.head<2>().cast<float>();
+  scene.footprint.half = {0.5f * (about.front - about.rear) - 0.1f, about.half_width};
+  scene.footprint.heading = static_cast<float>(heading_of(pose.chassis.orientation));
+  return scene;
+}
+
+Subject VehicleModel::subject(const VehiclePose& pose, double start_heading) const {
+  Subject subject;
+  subject.pose = pose;
+  subject.start_heading = start_heading;
+  const RunningGear& gear = vehicle_.side(Side::right);
+  subject.sprocket = gear.sprocket.center.cast<float>();
+  const Vector3d &a = gear.sprocket.center, &b = gear.idler.wheel.center;
+  const double wrap = gear.track.wheel_path_height + gear.track.ground_depth;
+  subject.front = static_cast<float>(std::max(a.x(), b.x()) + gear.idler.wheel.radius + wrap);
+  subject.rear = static_cast<float>(std::min(a.x(), b.x()) - gear.idler.wheel.radius - wrap);
+  subject.half_width = static_cast<float>(std::abs(gear.track_center_y) + 0.5 * gear.track.shoe_width);
+  return subject;
+}
+
+}  // namespace grouser

@@ -1,0 +1,63 @@
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "model/scenario.h"
+#include "render/camera.h"
+#include "render/mesh.h"
+#include "render/pose.h"
+
+/// What a picture shows, as plain data without GL.
+namespace grouser {
+
+struct SceneMesh {
+  Mesh shape;
+  Mesh shadow;  ///< coarser outline for the shadow map; empty = shape
+};
+
+struct Instance {
+  Matrix4f X_WB = Matrix4f::Identity();            ///< mesh to World
+  Eigen::Vector4f tint = Eigen::Vector4f::Zero();  ///< linear colour and its share 0..1 of the mesh's own
+};
+
+/// Rectangle on the ground under the vehicle, where little of the sky is seen.
+struct Footprint {
+  Vector2f center = Vector2f::Zero(), half = Vector2f::Zero();  ///< m
+  float heading = 0.0f;                                         ///< rad
+};
+
+struct Scene {
+  std::shared_ptr<const std::vector<SceneMesh>> meshes;
+  std::vector<std::vector<Instance>> instances;  ///< of each mesh
+  Camera camera;
+  Vector3f sun = Vector3f(0.42f, -0.55f, 0.85f).normalized();  ///< towards it
+  Vector3f shadow_center = Vector3f::Zero();                   ///< the shadow map covers a sphere
+  float shadow_radius = 5.0f;                                  ///< m
+  Footprint footprint;
+  bool ground = true;
+};
+
+/// Meshes of one vehicle, built once and placed by poses.
+class VehicleModel {
+ public:
+  /// Every tenth link is tinted so that the track's motion is seen, and the probe links more strongly.
+  explicit VehicleModel(const Vehicle& vehicle, const std::vector<ProbeLink>& probes = {});
+
+  /// The vehicle as posed; camera at its default.
+  [[nodiscard]] Scene place(const VehiclePose& pose) const;
+  /// For make_camera().
+  [[nodiscard]] Subject subject(const VehiclePose& pose, double start_heading) const;
+
+ private:
+  struct SideMeshes {
+    std::vector<std::size_t> arms, wheels, rollers;
+    std::size_t idler_arm = 0, idler = 0, sprocket = 0, link = 0;
+  };
+  Vehicle vehicle_;
+  std::vector<ProbeLink> probes_;
+  std::shared_ptr<const std::vector<SceneMesh>> meshes_;
+  std::size_t chassis_mesh_ = 0;
+  std::array<SideMeshes, k_num_sides> side_meshes_;
+};
+
+}  // namespace grouser

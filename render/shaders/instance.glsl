@@ -1,0 +1,7 @@
+struct Instance {
+  mat4 X_WB;
+  vec4 tint;
+};
+layout(std430, binding = 1) readonly buffer Instances { Instance instances[]; };
+layout(location = 0) uniform int first_instance;
+layout(location = 0) in vec3 position;

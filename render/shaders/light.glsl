@@ -1,0 +1,55 @@
+layout(binding = 0) uniform sampler2DShadow shadow_map;
+
+const vec3 horizon = vec3(0.66, 0.74, 0.82), zenith = vec3(0.23, 0.42, 0.68);
+
+vec3 sky_color(vec3 direction) {
+  float up = max(direction.z, 0.0);
+  vec3 sky = mix(horizon, zenith, 1.0 - exp(-3.2 * up));
+  float glow = pow(max(dot(direction, sun.xyz), 0.0), 24.0);
+  return sky + 0.12 * glow * vec3(1.0, 0.92, 0.78);
+}
+
+vec3 towards_eye(vec3 p) { return eye.w > 0.5 ? normalize(eye.xyz - p) : -view_direction.xyz; }
+
+// Share of the sun that arrives: 3 x 3 bilinear comparisons. The point is moved along its normal by about the texel's size,
+// which the slope-scaled offset of the map completes: neither acne nor a gap under the links.
+float sunlight(vec3 p, vec3 normal) {
+  vec3 c = (light_projection * vec4(p + normal * 1.2 * sun.w, 1.0)).xyz * 0.5 + 0.5;
+  if (any(lessThan(c, vec3(0.002))) || any(greaterThan(c, vec3(0.998)))) return 1.0;
+  vec2 texel = 1.1 / vec2(textureSize(shadow_map, 0));
+  float sum = 0.0;
+  for (int i = -1; i <= 1; ++i)
+    for (int j = -1; j <= 1; ++j) sum += texture(shadow_map, vec3(c.xy + texel * vec2(i, j), c.z));
+  return sum / 9.0;
+}
+
+// 1 under the middle of the vehicle, 0 well outside of it.
+float under_vehicle(vec2 p, float softness) {
+  vec2 d = p - footprint.xy;
+  vec2 local = abs(vec2(footprint.z * d.x + footprint.w * d.y, -footprint.w * d.x + footprint.z * d.y));
+  vec2 inside = smoothstep(vec2(softness), vec2(-softness), local - footprint_size.xy);
+  return inside.x * inside.y;
+}
+
+vec3 shade(vec3 albedo, float gloss, vec3 p, vec3 n, float sky_share) {
+  vec3 v = towards_eye(p);
+  float facing = dot(n, sun.xyz);
+  float light = facing > 0.0 ? sunlight(p, n) * facing : 0.0;
+  vec3 ambient = mix(vec3(0.20, 0.18, 0.15), vec3(0.40, 0.47, 0.58), 0.5 + 0.5 * n.z) * sky_share;
+  vec3 h = normalize(v + sun.xyz);
+  float grazing = pow(1.0 - max(dot(n, v), 0.0), 5.0);
+  float highlight = gloss * (0.35 + 0.65 * grazing) * pow(max(dot(n, h), 0.0), mix(8.0, 90.0, gloss)) * light;
+  vec3 mirrored = 0.35 * gloss * grazing * sky_share * mix(vec3(0.2), horizon, 0.5 + 0.5 * reflect(-v, n).z);
+  return albedo * (ambient + light * vec3(2.05, 1.93, 1.72)) + 1.3 * highlight * vec3(1.0, 0.95, 0.85) + mirrored;
+}
+
+vec3 with_haze(vec3 color, vec3 p) {
+  float d = length(p - eye.xyz);
+  return mix(color, horizon, eye.w * (1.0 - exp(-d * d / 8100.0)));
+}
+
+// Filmic curve (Narkowicz' fit of ACES), so that sunlit paint keeps its colour.
+vec3 developed(vec3 c) {
+  c *= 0.62;
+  return clamp(c * (2.51 * c + 0.03) / (c * (2.43 * c + 0.59) + 0.14), 0.0, 1.0);
+}
