@@ -9,7 +9,7 @@
 namespace grouser {
 namespace {
 
-constexpr int k_clipped_run = 4;            // equal samples at the extreme; noise and a sine's crest give 2 or 3
+constexpr std::size_t k_clipped_run = 4;    // equal samples at the extreme; noise and a sine's crest give 2 or 3
 constexpr double k_frequency_error = 0.01;  // stated against measured (I 4)
 constexpr double k_drift = 0.03;            // of the range, over the used cycles
 constexpr double k_settling = 0.015;        // energy change of the last used cycle
@@ -18,13 +18,20 @@ constexpr double k_least_loss = 0.01;       // loss factor below which the loop'
 constexpr double k_tilt = 0.1;              // half difference of the LVDTs over the displacement
 constexpr int k_least_samples = 50;         // per cycle; 39 lose .6-1 % of the area to the chord (I 4)
 
-std::pair<std::size_t, std::size_t> longest_plateau(const std::vector<double>& signal, double level) {
-  std::size_t best = 0, best_at = 0, run = 0;
+struct Plateau {
+  std::size_t at = 0, length = 0;
+};
+
+// Longest run of equal samples at the level, or anywhere else.
+Plateau longest_plateau(const std::vector<double>& signal, double level, bool at_level) {
+  Plateau best;
+  std::size_t run = 0;
   for (std::size_t i = 0; i < signal.size(); ++i) {
-    run = signal[i] == level ? run + 1 : 0;
-    if (run > best) best = run, best_at = i + 1 - run;
+    const bool counts = (signal[i] == level) == at_level;
+    run = counts ? (run > 0 && signal[i] == signal[i - 1] ? run + 1 : 1) : 0;
+    if (run > best.length) best = {i + 1 - run, run};
   }
-  return {best_at, best};
+  return best;
 }
 
 // A channel that stands still at its extreme while the other one moves has hit its limit.
@@ -33,8 +40,9 @@ void find_clipping(const PreparedTest& test, const std::vector<double>& channel,
   const auto [low, high] = std::minmax_element(channel.begin(), channel.end());
   const double moved_enough = 0.002 * central_range(other);
   for (const double level : {*low, *high}) {
-    const auto [at, length] = longest_plateau(channel, level);
-    if (length < k_clipped_run) continue;
+    const auto [at, length] = longest_plateau(channel, level, true);
+    // coarse steps of a converter stand still everywhere
+    if (length < std::max(k_clipped_run, 3 * longest_plateau(channel, level, false).length)) continue;
     const auto first = other.begin() + static_cast<std::ptrdiff_t>(at);
     const auto [a, b] = std::minmax_element(first, first + static_cast<std::ptrdiff_t>(length));
     if (*b - *a < moved_enough) continue;

@@ -79,6 +79,12 @@ TEST(Diagnosis, NamesAClippedSensor) {
   EXPECT_THAT(prepared.warnings.front().text, HasSubstr("force stands at"));
 }
 
+TEST(Diagnosis, DoesNotTakeACoarseConverterForAClippedSensor) {
+  RigTest test = sine_test(1e-3, 0.1, 9, 150, [](double x, double rate) { return 1e7 * x + 1e6 * rate; });
+  for (double& value : test.displacement) value = std::round(value / 0.05e-3) * 0.05e-3;
+  EXPECT_THAT(codes(Prepared(test).warnings), ::testing::Not(::testing::Contains("clipped_sensor")));
+}
+
 TEST(Diagnosis, NamesARecordWithTooFewSamples) {
   RigTest full = loop(), sparse = full;
   sparse.time.clear(), sparse.displacement.clear(), sparse.force.clear();
