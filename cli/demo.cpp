@@ -24,29 +24,18 @@ struct StillPlan {
 };
 constexpr StillPlan k_stills[] = {{0.0, "chase"}, {0.65, "chase"}, {1.0, "chase"}};
 
-void identification(const fs::path& rig_file, const fs::path& folder, const Progress& progress) {
-  static_cast<void>(identify_into(rig_file, folder, 2, progress));
-}
-
-/// Drives one scenario and shows it: run.h5, run.json, film.mp4, stills, report.
-ExitCode drive_and_show(const SimulateRequest& request, const fs::path& folder, Console& console,
-                        const Progress& progress) {
-  constexpr double k_simulated = 0.12, k_filmed = 0.96;  // shares of the wall time, measured
-  const RunSummary summary = simulate(read_request(request), folder, part_of(progress, 0.0, k_simulated));
-  if (summary.status == RunStatus::stopped) return ExitCode::interrupted;
-  if (summary.status == RunStatus::failed) console.error(folder.string() + ": " + summary.message);
-  {
-    const RunFolder run = open_run(folder);
-    static_cast<void>(render_film(run, folder / "film.mp4", {}, part_of(progress, k_simulated, k_filmed)));
-    if (interrupted()) return ExitCode::interrupted;
-    for (const StillPlan& still : k_stills) {
-      RenderOptions options;
-      options.camera = still.camera;
-      static_cast<void>(still_into(run, still.fraction * summary.simulated_time, options, folder));
-    }
+/// film.mp4, stills and report of a run folder.
+ExitCode show(const fs::path& folder, const Progress& progress) {
+  const RunFolder run = open_run(folder);
+  static_cast<void>(render_film(run, folder / "film.mp4", {}, part_of(progress, 0.0, 0.95)));
+  if (interrupted()) return ExitCode::interrupted;
+  for (const StillPlan& still : k_stills) {
+    RenderOptions options;
+    options.camera = still.camera;
+    static_cast<void>(still_into(run, still.fraction * run.summary.simulated_time, options, folder));
   }
   write_report({folder}, folder / "report.html");
-  return exit_code(summary.status);
+  return ExitCode::done;
 }
 
 /// The job's error becomes its exit code where it happens: a child cannot throw to its parent.
@@ -62,26 +51,36 @@ Job guarded(double weight, Console& console, std::function<ExitCode(const Progre
           }};
 }
 
+/// The stages one after the other; the jobs of a stage side by side, so that no run is timed while the other one is
+/// filmed.
 ExitCode make_parts(const fs::path& data, const fs::path& folder, Console& console, const Progress& progress) {
   const fs::path fitted = folder / "identification";
-  const std::vector<Job> identify{guarded(1.0, console, [&](const Progress& tell) {
-    identification(data / "rig" / "reference" / "rig.json", fitted, tell);
+  std::vector<Job> identify, drive, film;
+  identify.push_back(guarded(1.0, console, [&](const Progress& tell) {
+    static_cast<void>(identify_into(data / "rig" / "reference" / "rig.json", fitted, 2, tell));
     return ExitCode::done;
-  })};
-  constexpr double k_identified = 0.1, k_driven = 0.97;  // shares of the wall time, measured
-  if (const ExitCode code = run_in_processes(identify, part_of(progress, 0.0, k_identified)); code != ExitCode::done) {
-    return code;
-  }
-  std::vector<Job> drives;
-  for (const auto& [name, weight] : {std::pair{"run_a", 17.0}, std::pair{"run_b", 6.0}}) {  // seconds of film
+  }));
+  for (const auto& [name, weight] : {std::pair{"run_a", 17.0}, std::pair{"run_b", 6.0}}) {  // seconds of run and film
     SimulateRequest request;
     request.scenario_file = (data / "scenarios" / (std::string(name) + ".json")).string();
     request.bushing_file = (fitted / "bushing.json").string();
-    drives.push_back(guarded(weight, console, [request, run = folder / name, &console](const Progress& tell) {
-      return drive_and_show(request, run, console, tell);
+    const fs::path run = folder / name;
+    drive.push_back(guarded(weight, console, [request, run, &console](const Progress& tell) {
+      const RunSummary summary = simulate(read_request(request), run, tell);
+      if (summary.status != RunStatus::completed) console.error(run.string() + ": " + summary.message);
+      return exit_code(summary.status);
     }));
+    film.push_back(guarded(weight, console, [run](const Progress& tell) { return show(run, tell); }));
   }
-  return run_in_processes(drives, part_of(progress, k_identified, k_driven));
+  constexpr double k_identified = 0.02, k_driven = 0.12, k_filmed = 0.97;  // shares of the wall time, measured
+  ExitCode code = run_in_processes(identify, part_of(progress, 0.0, k_identified));
+  if (code == ExitCode::done) code = run_in_processes(drive, part_of(progress, k_identified, k_driven));
+  // A run that failed is shown too: the film says how.
+  if (code == ExitCode::done || code == ExitCode::numerical_failure) {
+    const ExitCode shown = run_in_processes(film, part_of(progress, k_driven, k_filmed));
+    if (code == ExitCode::done) code = shown;
+  }
+  return code;
 }
 
 Result run(const Options& options, Console& console) {
@@ -94,7 +93,8 @@ Result run(const Options& options, Console& console) {
     const Progress progress = console.progress("demo");
     result.code = make_parts(data, folder, console, progress);
     if (result.code == ExitCode::interrupted) return result;
-    if (result.code == ExitCode::done) {
+    const bool both_ran = fs::exists(folder / "run_a" / "run.json") && fs::exists(folder / "run_b" / "run.json");
+    if (result.code == ExitCode::done || (result.code == ExitCode::numerical_failure && both_ran)) {
       write_report({folder / "identification", folder / "run_a", folder / "run_b"}, folder / "report.html");
       write_index(folder);
       static_cast<void>(progress({1.0, "index"}));
@@ -104,7 +104,7 @@ Result run(const Options& options, Console& console) {
     const fs::path summary = folder / name / "run.json";
     if (fs::exists(summary)) result.lines.push_back(headline(read_run_summary(summary)));
   }
-  if (result.code == ExitCode::done) {
+  if (fs::exists(folder / "index.html")) {
     result.lines.push_back((folder / "index.html").string());
     result.json["outputs"] = {(folder / "index.html").string(), (folder / "report.json").string()};
   }
