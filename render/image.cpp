@@ -14,6 +14,14 @@ std::vector<std::uint8_t> encode_png(const Image& image) {
   return bytes;
 }
 
+std::vector<std::uint8_t> encode_webp(const Image& image, int quality) {
+  const cv::Mat pixels(image.height, image.width, CV_8UC3, const_cast<std::uint8_t*>(image.bgr.data()));
+  std::vector<std::uint8_t> bytes;
+  if (!cv::imencode(".webp", pixels, bytes, {cv::IMWRITE_WEBP_QUALITY, quality}))
+    throw FileError("cannot encode a picture as WebP");
+  return bytes;
+}
+
 void write_png(const Image& image, const std::filesystem::path& file) {
   const std::vector<std::uint8_t> bytes = encode_png(image);
   write_whole(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});

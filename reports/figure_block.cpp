@@ -20,10 +20,10 @@ constexpr std::size_t k_max_chart_rows =
     8000;  // of one curve set: about ten points a pixel column, so that a zoom still shows peaks
 
 /// Without its title: the page has it as a heading.
-std::string encoded_png(Figure figure, Theme theme) {
+std::string encoded_picture(Figure figure, Theme theme) {
   figure.title.clear();
-  const std::vector<std::uint8_t> png = encode_png(draw(figure, theme));
-  return base64({reinterpret_cast<const char*>(png.data()), png.size()});
+  const std::vector<std::uint8_t> bytes = encode_webp(draw(figure, theme));
+  return base64({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 const char* style_name(SeriesStyle style) {
@@ -171,9 +171,9 @@ json figure_block(const Figure& figure, const std::string& id) {
   block["drawn"] = !interactive;
   block["width"] = figure.width;
   block["height"] = figure.height;
-  block["payload_light"] = encoded_png(figure, Theme::light);
+  block["payload_light"] = encoded_picture(figure, Theme::light);
   if (!interactive) {
-    block["payload_dark"] = encoded_png(figure, Theme::dark);
+    block["payload_dark"] = encoded_picture(figure, Theme::dark);
     return block;
   }
   std::vector<float> values;

@@ -100,7 +100,7 @@ Figure figure_step_size(const RunFolder& run) {
                          .width = 1.0f});
   step.series.push_back(mean_of(step.series.front(), run.summary.simulated_time));
   Panel speed = time_panel("Vehicle speed", "Speed v [m/s]");
-  speed.series.push_back({.name = "vehicle", .x = require_column(run, "/time"), .y = forward_speed(run)});
+  speed.series.push_back({.name = "", .x = require_column(run, "/time"), .y = forward_speed(run)});
   return stacked_figure(
       "step_size", "Step size of the integrator",
       "Every accepted step of the variable-step integrator over time, with the speed of the vehicle (the paper's "

@@ -69,9 +69,9 @@ Figure figure_path(const RunFolder& run) {
   panel.y_label = "Left y [m]";
   panel.series.push_back({.name = "chassis origin", .x = x, .y = y, .width = 1.8f});
   panel.series.push_back(
-      {.name = "start", .x = {x.front()}, .y = {y.front()}, .style = SeriesStyle::points, .width = 7.0f});
+      {.name = "start", .x = {x.front()}, .y = {y.front()}, .style = SeriesStyle::points, .width = 3.5f});
   panel.series.push_back(
-      {.name = "end", .x = {x.back()}, .y = {y.back()}, .style = SeriesStyle::points, .width = 7.0f});
+      {.name = "end", .x = {x.back()}, .y = {y.back()}, .style = SeriesStyle::points, .width = 3.5f});
   const auto [low, high] = std::ranges::minmax(y);
   // A straight run would otherwise blow micrometres of drift up to the height of the page.
   const double half = std::max(0.6 * (high - low), 0.05);

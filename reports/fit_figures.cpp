@@ -47,16 +47,18 @@ using Measure = std::function<double(const LoopMeasures&)>;
 
 /// Measured points and fitted lines of one measure over one test quantity, a pair of series for each value of the
 /// other.
-Panel measure_panel(const std::vector<const TestFit*>& tests, bool over_frequency, const AxisUnits& units,
+Panel measure_panel(const std::vector<const TestFit*>& tests, bool over_frequency, bool named, const AxisUnits& units,
                     const std::string& y_label, const Measure& measure) {
   Panel panel;
   panel.x_label = over_frequency ? "Frequency [Hz]" : "Amplitude [" + units.displacement + "]";
   panel.y_label = y_label;
+  panel.title = over_frequency ? "By amplitude" : "By frequency";
   panel.log_x = true;
-  std::map<std::string, std::vector<const TestFit*>> groups;
+  // Stated amplitudes and frequencies are met only nearly: two digits tell the groups apart.
+  std::map<double, std::vector<const TestFit*>> groups;
   for (const TestFit* test : tests)
-    groups[over_frequency ? number_text(units.displacement_scale * test->amplitude, 2) + " " + units.displacement
-                          : number_text(test->frequency, 2) + " Hz"]
+    groups[std::stod(
+               fmt::format("{:.1e}", over_frequency ? units.displacement_scale * test->amplitude : test->frequency))]
         .push_back(test);
   static constexpr std::array<Rgb, 6> k_colors{{{0.16f, 0.47f, 0.78f},
                                                 {0.87f, 0.42f, 0.10f},
@@ -65,10 +67,15 @@ Panel measure_panel(const std::vector<const TestFit*>& tests, bool over_frequenc
                                                 {0.62f, 0.50f, 0.05f},
                                                 {0.42f, 0.40f, 0.85f}}};
   std::size_t number = 0;
-  for (auto& [name, group] : groups) {
+  for (auto& [value, group] : groups) {
     std::ranges::sort(group, {}, [&](const TestFit* t) { return over_frequency ? t->frequency : t->amplitude; });
     const Rgb color = k_colors[number++ % k_colors.size()];
-    Series measured{.name = name, .x = {}, .y = {}, .style = SeriesStyle::points, .width = 6.0f, .color = color};
+    Series measured{.name = named ? number_text(value, 2) + " " + (over_frequency ? units.displacement : "Hz") : "",
+                    .x = {},
+                    .y = {},
+                    .style = SeriesStyle::points,
+                    .width = 3.2f,
+                    .color = color};
     Series fitted{.name = "", .x = {}, .y = {}, .style = SeriesStyle::line, .width = 1.5f, .color = color};
     for (const TestFit* test : group) {
       const double x = over_frequency ? test->frequency : units.displacement_scale * test->amplitude;
@@ -125,7 +132,7 @@ std::optional<Figure> figure_loops(const FitRecord& fit, Axis axis) {
     panel.series.push_back({.name = first ? "measured" : "",
                             .x = times(test.curve.displacement, units.displacement_scale),
                             .y = times(test.curve.force, units.force_scale),
-                            .width = 2.6f,
+                            .width = 4.2f,
                             .color = k_measured});
     panel.series.push_back({.name = first ? "fit" : "",
                             .x = times(test.curve.displacement, units.displacement_scale),
@@ -187,8 +194,8 @@ std::optional<Figure> figure_dynamic_stiffness(const FitRecord& fit, Axis axis) 
       "over amplitude.";
   for (const bool over_frequency : {true, false}) {
     figure.panels.push_back(
-        measure_panel(tests, over_frequency, units, "Stiffness [" + units.stiffness + "]", stiffness));
-    figure.panels.push_back(measure_panel(tests, over_frequency, units, "Loss factor [1]", loss));
+        measure_panel(tests, over_frequency, true, units, "Stiffness [" + units.stiffness + "]", stiffness));
+    figure.panels.push_back(measure_panel(tests, over_frequency, false, units, "Loss factor [1]", loss));
   }
   figure.columns = 2;
   figure.width = 1000;

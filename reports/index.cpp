@@ -19,8 +19,8 @@ namespace {
 using nlohmann::json;
 
 std::string encoded(const Image& image) {
-  const std::vector<std::uint8_t> png = encode_png(image);
-  return base64({reinterpret_cast<const char*>(png.data()), png.size()});
+  const std::vector<std::uint8_t> bytes = encode_webp(image, k_photograph_quality);
+  return base64({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 json file_links(const std::filesystem::path& folder, const std::vector<std::string>& names) {

@@ -11,6 +11,9 @@
 /// form that the page shows, beside its `value` in SI. Keys with k_payload_prefix hold base64 and only go to the page.
 namespace grouser {
 
+/// WebP quality of rendered pictures in pages.
+inline constexpr int k_photograph_quality = 88;
+
 /// A fit folder opened for a report.
 struct FitFolder {
   std::filesystem::path path;

@@ -154,8 +154,8 @@ json still_facts(const RunFolder& run) {
   RenderOptions options;
   options.width = 1120;
   options.height = 630;
-  const std::vector<std::uint8_t> png = encode_png(render_still(run, time, options));
-  return {{"payload_still", base64({reinterpret_cast<const char*>(png.data()), png.size()})},
+  const std::vector<std::uint8_t> picture = encode_webp(render_still(run, time, options), k_photograph_quality);
+  return {{"payload_still", base64({reinterpret_cast<const char*>(picture.data()), picture.size()})},
           {"alt", "The vehicle on the ground"},
           {"caption", fmt::format("The vehicle at {}.", quantity_text(time, "s", 3))}};
 }
