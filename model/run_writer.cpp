@@ -21,16 +21,28 @@ Hdf5Handle string_type() {
   return type;
 }
 
-Hdf5Handle creates_groups() {
-  Hdf5Handle list(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
-  H5Pset_create_intermediate_group(list.id(), 1);
+/// Creation options that leave the clock out of the file: the same run gives the same bytes.
+Hdf5Handle without_times(hid_t kind) {
+  Hdf5Handle list(H5Pcreate(kind), H5Pclose);
+  H5Pset_obj_track_times(list.id(), false);
   return list;
+}
+
+/// Creates the groups above `path` that are not there yet.
+void create_groups(hid_t file, const std::string& path) {
+  const Hdf5Handle creation = without_times(H5P_GROUP_CREATE);
+  for (std::size_t end = path.find('/', 1); end != std::string::npos; end = path.find('/', end + 1)) {
+    const std::string group = path.substr(0, end);
+    if (H5Lexists(file, group.c_str(), H5P_DEFAULT) > 0) continue;
+    const Hdf5Handle created(H5Gcreate2(file, group.c_str(), H5P_DEFAULT, creation.id(), H5P_DEFAULT), H5Gclose);
+  }
 }
 
 Hdf5Handle create_file(const std::filesystem::path& file) {
   const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access.id(), H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);  // needed for single writer, many readers
-  return checked({H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose}, "write", file);
+  const Hdf5Handle creation = without_times(H5P_FILE_CREATE);
+  return checked({H5Fcreate(file.c_str(), H5F_ACC_TRUNC, creation.id(), access.id()), H5Fclose}, "write", file);
 }
 
 void write_unit(hid_t dataset, const std::string& unit) {
@@ -45,8 +57,9 @@ void write_names(hid_t file, const std::string& path, const std::vector<std::str
   std::transform(names.begin(), names.end(), texts.begin(), [](const std::string& name) { return name.c_str(); });
   const hsize_t count = names.size();
   const Hdf5Handle type = string_type(), space(H5Screate_simple(1, &count, nullptr), H5Sclose);
-  const Hdf5Handle link = creates_groups();
-  const Hdf5Handle set(H5Dcreate2(file, path.c_str(), type.id(), space.id(), link.id(), H5P_DEFAULT, H5P_DEFAULT),
+  const Hdf5Handle creation = without_times(H5P_DATASET_CREATE);
+  create_groups(file, path);
+  const Hdf5Handle set(H5Dcreate2(file, path.c_str(), type.id(), space.id(), H5P_DEFAULT, creation.id(), H5P_DEFAULT),
                        H5Dclose);
   if (count > 0) H5Dwrite(set.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, texts.data());
   write_unit(set.id(), "");
@@ -64,14 +77,15 @@ Hdf5Handle create_dataset(hid_t file, const Channel& channel, std::size_t chunk_
   limit[0] = H5S_UNLIMITED;
   const int rank = static_cast<int>(none.size());
   const Hdf5Handle space(H5Screate_simple(rank, none.data(), limit.data()), H5Sclose);
-  const Hdf5Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose), link = creates_groups();
+  const Hdf5Handle creation = without_times(H5P_DATASET_CREATE);
   H5Pset_chunk(creation.id(), rank, chunk.data());
   if (channel.single_precision) {  // contact forces: mostly zeros
     H5Pset_shuffle(creation.id());
     H5Pset_deflate(creation.id(), 1);
   }
   const hid_t type = channel.single_precision ? H5T_IEEE_F32LE : H5T_IEEE_F64LE;
-  Hdf5Handle set(H5Dcreate2(file, channel.path.c_str(), type, space.id(), link.id(), creation.id(), H5P_DEFAULT),
+  create_groups(file, channel.path);
+  Hdf5Handle set(H5Dcreate2(file, channel.path.c_str(), type, space.id(), H5P_DEFAULT, creation.id(), H5P_DEFAULT),
                  H5Dclose);
   if (set) write_unit(set.id(), channel.unit);
   return set;
