@@ -33,7 +33,7 @@ CompiledSuspension gas_unit() {
   s.unit.rod_length = 0.35;
   s.unit.crank_angle = 0.5 * k_pi;
   s.unit.gas_volume = 9.04e-4;
-  s.unit.gas_pressure = 16.88e6 + 1e5;
+  s.unit.gas_pressure = 16.88e6;
   s.unit.polytropic_exponent = 1.3;
   s.unit.orifice_area = 17.85e-6;
   s.unit.blow_off_pressure = 4.5e6;
