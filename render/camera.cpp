@@ -102,8 +102,12 @@ Camera make_camera(const std::string& name, const Subject& subject, float aspect
     return perspective_camera(body.at(s.x() - 0.75f, -(subject.half_width + 2.35f), s.z() + 0.5f),
                               body.at(s.x() + 0.22f, s.y(), s.z() - 0.08f), 36.0f);
   }
-  if (name == "top")
-    return perspective_camera(body.at(middle - 0.3f, 0.0f, 2.9f * length), body.at(middle + 0.1f, 0.0f, 0.0f), 32.0f);
+  if (name == "top") {  // the front points to the right
+    Camera camera =
+        perspective_camera(body.at(middle + 0.8f, 0.0f, 2.35f * length), body.at(middle + 0.8f, 0.0f, 0.0f), 30.0f);
+    camera.up = body.turn * Vector3f::UnitY();
+    return camera;
+  }
   if (name == "orbit") {
     const double angle = subject.start_heading - 0.9 + 2.0 * k_pi * subject.pose.time / k_orbit_period;
     const Follower round(subject, angle);
@@ -112,7 +116,7 @@ Camera make_camera(const std::string& name, const Subject& subject, float aspect
   }
   if (name == "side") {
     const float height = (length + 1.7f) / aspect;  // running gear with its track, and a margin
-    return parallel_camera(body.at(middle, -20.0f, 2.6f), body.at(middle, 0.0f, 0.2f + 0.2f * height), height);
+    return parallel_camera(body.at(middle, -20.0f, 1.9f + 0.3f * height), body.at(middle, 0.0f, 0.3f * height), height);
   }
   std::string known;
   for (const std::string& each : camera_names()) known += (known.empty() ? "" : ", ") + each;

@@ -8,22 +8,24 @@ namespace {
 
 constexpr double k_far = 3e4;     ///< pixels; beyond, float coordinates lose the pixel
 constexpr float k_apart = 0.35f;  ///< pixels
-constexpr double k_dense = 4.0;   ///< points a pixel column from which M4 saves anything
+constexpr float k_parts = 3.0f;   ///< of a pixel column: strokes at 1/6, 1/2, 5/6 cover it as any number would
+constexpr double k_dense = 12.0;  ///< points a pixel column from which M4 saves anything
 
 using Points = std::vector<Vector2f>;
 
 Points thin_columns(const Points& points) {
   Points kept;
   for (std::size_t i = 0; i < points.size();) {
-    const float column = std::floor(points[i].x());
+    const float column = std::floor(k_parts * points[i].x());
     std::size_t first = i, low = i, high = i, last = i;
-    for (; i < points.size() && std::floor(points[i].x()) == column; ++i) {
+    for (; i < points.size() && std::floor(k_parts * points[i].x()) == column; ++i) {
       if (points[i].y() < points[low].y()) low = i;
       if (points[i].y() > points[high].y()) high = i;
       last = i;
     }
     for (const std::size_t k : {first, std::min(low, high), std::max(low, high), last}) {
-      if (kept.empty() || kept.back() != points[k]) kept.push_back(points[k]);
+      const Vector2f point((column + 0.5f) / k_parts, points[k].y());
+      if (kept.empty() || kept.back() != point) kept.push_back(point);
     }
   }
   return kept;

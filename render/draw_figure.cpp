@@ -34,11 +34,12 @@ class FigurePainter {
       const PanelLayout& at = layout_.panels[i];
       grid(panel, at);
       canvas_.clip(at.frame.box);
+      mark_lines(panel, at);
       bands(panel, at);
       series(panel, at);
       canvas_.unclip();
       axes(panel, at);
-      marks(panel, at);
+      mark_labels(panel, at);
       legend(panel, at);
     }
   }
@@ -138,27 +139,40 @@ class FigurePainter {
             TextAlign::right);
   }
 
-  void marks(const Panel& panel, const PanelLayout& at) {
+  static bool shown(const Mark& mark, const PanelLayout& at) {
+    const double share = mark.vertical ? at.frame.x.share(mark.at) : at.frame.y.share(mark.at);
+    return share >= 0.0 && share <= 1.0;
+  }
+
+  void mark_lines(const Panel& panel, const PanelLayout& at) {
     const Box& plot = at.frame.box;
-    const float size = k_tick_size * k_, gap = 5.0f * k_;
     const Dash dash{4.0f * k_, 7.0f * k_};
+    for (const Mark& mark : panel.marks) {
+      if (!shown(mark, at)) continue;
+      const float x = x_of(at, mark.at), y = y_of(at, mark.at);
+      if (mark.vertical) rule({x, plot.top}, {x, plot.bottom}, theme_.mark, dash);
+      if (!mark.vertical) rule({plot.left, y}, {plot.right, y}, theme_.mark, dash);
+    }
+  }
+
+  /// Beside the upper end of a vertical line, above the right end of another; one below the other where they would
+  /// meet.
+  void mark_labels(const Panel& panel, const PanelLayout& at) {
+    const Box& plot = at.frame.box;
+    const float size = k_tick_size * k_, gap = 5.0f * k_, halo = 3.0f * k_;
     std::vector<Box> taken;
     for (const Mark& mark : panel.marks) {
-      const double share = mark.vertical ? at.frame.x.share(mark.at) : at.frame.y.share(mark.at);
-      if (!(share >= 0.0 && share <= 1.0)) continue;
+      if (!shown(mark, at) || mark.label.empty()) continue;
       const float width = canvas_.text_width(mark.label, size);
       float x = plot.right - width - gap, base = y_of(at, mark.at) - gap;
       if (mark.vertical) {
         const float line = x_of(at, mark.at);
-        rule({line, plot.top}, {line, plot.bottom}, theme_.mark, dash);
         x = line + gap + width < plot.right ? line + gap : line - gap - width;
         base = plot.top + size + 0.5f * gap;
-      } else {
-        rule({plot.left, base + gap}, {plot.right, base + gap}, theme_.mark, dash);
-        if (base - size < plot.top) base += size + 2.0f * gap;
+      } else if (base - size < plot.top) {
+        base += size + 2.0f * gap;
       }
-      if (mark.label.empty()) continue;
-      const auto around = [&](float y) { return Box{x - gap, y - size, x + width + gap, y + 0.3f * size}; };
+      const auto around = [&](float y) { return Box{x - halo, y - size, x + width + halo, y + 0.3f * size}; };
       const auto meets = [&](const Box& a) {
         return std::any_of(taken.begin(), taken.end(), [&](const Box& b) {
           return a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;

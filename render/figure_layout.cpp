@@ -167,8 +167,8 @@ class Placing {
             ? 0.0f
             : static_cast<float>(legend_rows(canvas_, figure_.panels[i], panel, panel.frame.box.width(), k_) - 1);
     panel.title_baseline = top - (9.0f + rows_above * k_legend_row) * k_;
-    panel.y_ticks = make_ticks(panel.frame.y, std::max(2.0f, (bottom - top) / (34.0f * k_)));
-    panel.x_ticks = make_ticks(panel.frame.x, std::max(2.0f, panel.frame.box.width() / (78.0f * k_)));
+    panel.y_ticks = make_ticks(panel.frame.y, std::max(3.0f, (bottom - top) / (38.0f * k_)));
+    panel.x_ticks = make_ticks(panel.frame.x, std::max(3.0f, panel.frame.box.width() / (84.0f * k_)));
   }
 
   const Canvas& canvas_;

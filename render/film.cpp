@@ -37,13 +37,13 @@ class TemporaryFile {
   bool kept_ = false;
 };
 
-/// Times of the frames: from the first sample, as many as fit before the last.
+/// Times of the frames: from the first sample, each shown for 1 / fps up to the last.
 struct FrameTimes {
   double first = 0.0, fps = 30.0;
   int count = 1;
   FrameTimes(const FrameMaker& maker, const RenderOptions& options) : first(maker.first_time()), fps(options.fps) {
     if (!(fps > 0.0)) throw InputError({"", "fps", "a number > 0", fmt::format("{}", fps), ""});
-    count = std::max(1, static_cast<int>(std::floor((maker.last_time() - first) * fps + 1e-6)));
+    count = std::max(1, static_cast<int>(std::lround((maker.last_time() - first) * fps)));
   }
   [[nodiscard]] double at(int frame) const { return first + frame / fps; }
 };

@@ -7,7 +7,7 @@ namespace {
 
 const Material k_cast_steel{{0.34f, 0.345f, 0.35f}, 0.45f};
 const Material k_worn_steel{{0.50f, 0.50f, 0.49f}, 0.8f};
-const Material k_pad_rubber{{0.15f, 0.15f, 0.155f}, 0.05f};
+const Material k_pad_rubber{{0.19f, 0.19f, 0.195f}, 0.06f};
 
 /// Dimensions of the picture that follow from the track's own.
 struct LinkShape {

@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <unordered_map>
 
 #include "model/errors.h"
 
@@ -137,6 +138,22 @@ void Mesh::append(const Mesh& other, const Eigen::Affine3f& placed) {
         {placed * vertex.position, (placed.linear() * vertex.normal).normalized(), vertex.color, vertex.gloss});
   }
   for (const std::uint32_t index : other.indices) indices.push_back(first + index);
+}
+
+void Mesh::weld() {
+  static_assert(sizeof(Vertex) == 10 * sizeof(float), "compared as bytes, so it must hold no padding");
+  const auto bytes_of = [](const Vertex& vertex) {
+    return std::string(reinterpret_cast<const char*>(&vertex), sizeof(Vertex));
+  };
+  std::unordered_map<std::string, std::uint32_t> known;
+  std::vector<Vertex> kept;
+  for (std::uint32_t& index : indices) {
+    const Vertex& vertex = vertices[index];
+    const auto [found, added] = known.emplace(bytes_of(vertex), static_cast<std::uint32_t>(kept.size()));
+    if (added) kept.push_back(vertex);
+    index = found->second;
+  }
+  vertices = std::move(kept);
 }
 
 }  // namespace grouser

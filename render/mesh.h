@@ -49,6 +49,8 @@ struct Mesh {
   void add_lathe(const std::vector<Vector2f>& profile, int segments, const Vector3f& center, const Material& material,
                  float from = 0.0f, float to = 6.2831853f);
   void append(const Mesh& other, const Eigen::Affine3f& placed);
+  /// Keeps one of equal vertices: less than half remain.
+  void weld();
 };
 
 }  // namespace grouser

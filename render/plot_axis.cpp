@@ -24,12 +24,11 @@ std::string number_text(double value, int decimals) {
   return (value < 0.0 && !zero ? k_minus : "") + text;
 }
 
+/// The step of 1, 2 or 5 times a power of ten nearest to count steps a range.
 double nice_step(double range, double count) {
   const double rough = range / std::max(count, 1.0), magnitude = std::pow(10.0, std::floor(std::log10(rough)));
-  for (const double multiple : {1.0, 2.0, 5.0}) {
-    if (rough <= multiple * magnitude * (1.0 + 1e-9)) return multiple * magnitude;
-  }
-  return 10.0 * magnitude;
+  const double multiple = rough / magnitude;
+  return magnitude * (multiple < 1.5 ? 1.0 : multiple < 3.2 ? 2.0 : multiple < 7.1 ? 5.0 : 10.0);
 }
 
 Ticks linear_ticks(const PlotAxis& axis, double count) {

@@ -30,6 +30,8 @@ VehicleModel::VehicleModel(const Vehicle& vehicle, const std::vector<ProbeLink>&
     : vehicle_(vehicle), probes_(probes) {
   auto meshes = std::make_shared<std::vector<SceneMesh>>();
   const auto add = [&meshes](Mesh shape, Mesh shadow = {}) {
+    shape.weld();
+    shadow.weld();
     meshes->push_back({std::move(shape), std::move(shadow)});
     return meshes->size() - 1;
   };

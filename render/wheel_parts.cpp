@@ -7,9 +7,9 @@ namespace grouser {
 namespace {
 
 constexpr float k_two_pi = static_cast<float>(2.0 * k_pi);
-const Material k_painted{{0.36f, 0.42f, 0.27f}, 0.25f};
-const Material k_painted_dark{{0.27f, 0.32f, 0.21f}, 0.2f};
-const Material k_tyre{{0.125f, 0.125f, 0.13f}, 0.08f};
+const Material k_painted{{0.38f, 0.43f, 0.29f}, 0.25f};
+const Material k_painted_dark{{0.29f, 0.33f, 0.23f}, 0.2f};
+const Material k_tyre{{0.17f, 0.17f, 0.175f}, 0.1f};
 const Material k_steel{{0.45f, 0.45f, 0.44f}, 0.7f};
 const Material k_tooth_steel{{0.42f, 0.40f, 0.37f}, 0.6f};
 
@@ -22,7 +22,7 @@ void append_both_sides(const Mesh& outward, Mesh& mesh) {
 void add_bolts(int count, float circle, float y, float size, const Material& material, Mesh& mesh) {
   for (int i = 0; i < count; ++i) {
     const float angle = k_two_pi * static_cast<float>(i) / static_cast<float>(count);
-    mesh.add_lathe({{size, y - 0.02f}, {size, y + 0.014f}, {0, y + 0.014f}}, 6,
+    mesh.add_lathe({{size, y}, {size, y + 0.014f}, {0, y + 0.014f}}, 5,
                    {circle * std::cos(angle), 0, circle * std::sin(angle)}, material);
   }
 }
@@ -123,9 +123,9 @@ Mesh road_wheel_mesh(const DiscPair& wheel) {
   const DiscPairShape s(wheel);
   const float tyre = 0.13f * s.radius, rim = s.radius - tyre, dish = s.outer - 0.45f * (s.outer - s.inner);
   Mesh side;
-  add_disc({s.radius, s.inner, s.outer, tyre}, k_painted, 32, true, side);
-  add_hub(0.42f * rim, dish, s.outer + 0.02f, k_painted_dark, 16, side);
-  add_bolts(10, 0.6f * rim, dish, 0.02f, k_steel, side);
+  add_disc({s.radius, s.inner, s.outer, tyre}, k_painted, 28, true, side);
+  add_hub(0.42f * rim, dish, s.outer + 0.02f, k_painted_dark, 14, side);
+  add_bolts(8, 0.6f * rim, dish, 0.02f, k_steel, side);
   Mesh mesh;
   append_both_sides(side, mesh);
   add_axle(s, 0.3f * rim, 12, mesh);

@@ -1,12 +1,12 @@
 layout(binding = 0) uniform sampler2DShadow shadow_map;
 
-const vec3 horizon = vec3(0.66, 0.74, 0.82), zenith = vec3(0.23, 0.42, 0.68);
+const vec3 horizon = vec3(1.08, 1.22, 1.38), zenith = vec3(0.34, 0.62, 1.02);
 
 vec3 sky_color(vec3 direction) {
   float up = max(direction.z, 0.0);
   vec3 sky = mix(horizon, zenith, 1.0 - exp(-3.2 * up));
   float glow = pow(max(dot(direction, sun.xyz), 0.0), 24.0);
-  return sky + 0.12 * glow * vec3(1.0, 0.92, 0.78);
+  return sky + 0.2 * glow * vec3(1.0, 0.92, 0.78);
 }
 
 vec3 towards_eye(vec3 p) { return eye.w > 0.5 ? normalize(eye.xyz - p) : -view_direction.xyz; }
@@ -35,12 +35,12 @@ vec3 shade(vec3 albedo, float gloss, vec3 p, vec3 n, float sky_share) {
   vec3 v = towards_eye(p);
   float facing = dot(n, sun.xyz);
   float light = facing > 0.0 ? sunlight(p, n) * facing : 0.0;
-  vec3 ambient = mix(vec3(0.20, 0.18, 0.15), vec3(0.40, 0.47, 0.58), 0.5 + 0.5 * n.z) * sky_share;
+  vec3 ambient = mix(vec3(0.27, 0.245, 0.21), vec3(0.44, 0.51, 0.62), 0.5 + 0.5 * n.z) * sky_share;
   vec3 h = normalize(v + sun.xyz);
-  float grazing = pow(1.0 - max(dot(n, v), 0.0), 5.0);
+  float grazing = pow(clamp(1.0 - dot(n, v), 0.0, 1.0), 5.0);  // of a negative base it would be NaN
   float highlight = gloss * (0.35 + 0.65 * grazing) * pow(max(dot(n, h), 0.0), mix(8.0, 90.0, gloss)) * light;
-  vec3 mirrored = 0.35 * gloss * grazing * sky_share * mix(vec3(0.2), horizon, 0.5 + 0.5 * reflect(-v, n).z);
-  return albedo * (ambient + light * vec3(2.05, 1.93, 1.72)) + 1.3 * highlight * vec3(1.0, 0.95, 0.85) + mirrored;
+  vec3 mirrored = 0.35 * gloss * grazing * sky_share * mix(vec3(0.3), horizon, 0.5 + 0.5 * reflect(-v, n).z);
+  return albedo * (ambient + light * vec3(2.55, 2.38, 2.10)) + 1.3 * highlight * vec3(1.0, 0.95, 0.85) + mirrored;
 }
 
 vec3 with_haze(vec3 color, vec3 p) {
@@ -48,8 +48,5 @@ vec3 with_haze(vec3 color, vec3 p) {
   return mix(color, horizon, eye.w * (1.0 - exp(-d * d / 8100.0)));
 }
 
-// Filmic curve (Narkowicz' fit of ACES), so that sunlit paint keeps its colour.
-vec3 developed(vec3 c) {
-  c *= 0.62;
-  return clamp(c * (2.51 * c + 0.03) / (c * (2.43 * c + 0.59) + 0.14), 0.0, 1.0);
-}
+// Soft shoulder: bright paint keeps its hue, nothing clips.
+vec3 developed(vec3 c) { return 1.0 - exp(-0.95 * c); }

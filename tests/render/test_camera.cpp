@@ -1,0 +1,71 @@
+#include <gtest/gtest.h>
+
+#include "model/errors.h"
+#include "render/render.h"
+#include "render/scene.h"
+
+namespace grouser {
+namespace {
+
+/// Where a point of World is seen: -1..1 from left to right and from bottom to top.
+Vector3f seen(const Camera& camera, const Vector3f& point) {
+  const Eigen::Vector4f clip = camera.view_projection(16.0f / 9.0f) * point.homogeneous();
+  return clip.head<3>() / clip.w();
+}
+
+VehiclePose turned(double heading) {
+  VehiclePose pose;
+  pose.chassis.position = {30.0, -4.0, 0.0};
+  pose.chassis.orientation = Quaterniond(Eigen::AngleAxisd(heading, Vector3d::UnitZ()));
+  return pose;
+}
+
+TEST(Camera, EveryCameraSeesTheVehicleWhereverItStands) {
+  const Vehicle vehicle = read_vehicle(GROUSER_SOURCE_DIR "/test_data/vehicles/reference.json");
+  const VehicleModel model(vehicle);
+  for (const std::string& name : camera_names()) {
+    for (const double heading : {0.0, 2.0}) {
+      const Subject subject = model.subject(turned(heading), 0.3);
+      const Camera camera = make_camera(name, subject, 16.0f / 9.0f);
+      const Vector3d aim_V = name == "sprocket" ? vehicle.side(Side::right).sprocket.center : Vector3d(0.0, 0.0, 1.0);
+      const VehiclePose& pose = subject.pose;
+      const Vector3d aim = pose.chassis.position + pose.chassis.orientation * aim_V;
+      const Vector3f at = seen(camera, aim.cast<float>());
+      EXPECT_LT(at.head<2>().cwiseAbs().maxCoeff(), 0.5f) << name;
+      EXPECT_LT(std::abs(at.z()), 1.0f) << name;
+    }
+  }
+}
+
+TEST(Camera, SideShowsTheWholeTrackFrontToTheRight) {
+  const Vehicle vehicle = read_vehicle(GROUSER_SOURCE_DIR "/test_data/vehicles/reference.json");
+  const VehicleModel model(vehicle);
+  const Subject subject = model.subject(design_pose(vehicle), 0.0);
+  const Camera camera = make_camera("side", subject, 16.0f / 9.0f);
+  const Vector3f front = seen(camera, {subject.front, -1.4f, 0.7f}), rear = seen(camera, {subject.rear, -1.4f, 0.7f});
+  EXPECT_GT(front.x(), 0.5f);
+  EXPECT_LT(front.x(), 1.0f);
+  EXPECT_LT(rear.x(), -0.5f);
+  EXPECT_GT(rear.x(), -1.0f);
+}
+
+TEST(Camera, ChaseShowsATurnAsATurn) {
+  const VehicleModel model(read_vehicle(GROUSER_SOURCE_DIR "/test_data/vehicles/reference.json"));
+  const auto eye = [&](const char* name, double heading) {
+    return make_camera(name, model.subject(turned(heading), 0.0), 1.5f).eye;
+  };
+  EXPECT_TRUE(eye("chase", 0.0).isApprox(eye("chase", 1.0)));
+  EXPECT_FALSE(eye("side", 0.0).isApprox(eye("side", 1.0)));
+}
+
+TEST(Camera, AnUnknownNameIsAnErrorThatNamesTheKnownOnes) {
+  try {
+    (void)make_camera("drone", {}, 1.5f);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("sprocket"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace grouser
