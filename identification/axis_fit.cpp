@@ -151,7 +151,8 @@ Eigen::MatrixXd weighted_sum(const std::vector<Eigen::MatrixXd>& blocks, const s
 }
 
 Dictionary full_dictionary(const AxisData& data, double yield_spread, double time_spread, int extra_intervals) {
-  Dictionary dictionary{MonotoneBasis(data.low, data.high, k_spring_intervals + extra_intervals), {}, {}};
+  const MonotoneBasis spring(data.low, data.high, k_spring_intervals + extra_intervals, data.symmetry);
+  Dictionary dictionary{spring, {}, {}};
   if (!data.closed) return dictionary;
   const double largest = k_largest_yield * data.largest_amplitude;
   const double smallest =

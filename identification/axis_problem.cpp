@@ -147,6 +147,10 @@ void write_columns(const Dictionary& dictionary, const ElementHistory& history, 
   }
 }
 
+// A link is its own mirror image in the track's plane (x-z), so these deflections of its bushing have no preferred
+// sign.
+bool is_mirror_axis(Axis axis) { return axis == Axis::y || axis == Axis::rx || axis == Axis::rz; }
+
 }  // namespace
 
 AxisData gather(const std::vector<const PreparedTest*>& tests) {
@@ -172,6 +176,11 @@ AxisData gather(const std::vector<const PreparedTest*>& tests) {
   if (!rate_known)
     data.highest_frequency = 0.0;  // a history without its times would mislead the branches of all the others
   if (data.highest_frequency == 0.0) data.lowest_frequency = 0.0;
+  if (!tests.empty() && is_mirror_axis(tests.front()->source->axis)) {
+    data.symmetry = SpringSymmetry::odd;
+    data.high = std::max(std::abs(data.low), std::abs(data.high));
+    data.low = -data.high;
+  }
   if (data.blocks.size() == 1) data.blocks = split_by_cycle(DataBlock(data.blocks.front()));
   return data;
 }

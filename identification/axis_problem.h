@@ -38,6 +38,8 @@ struct AxisData {
   double smallest_amplitude = 0.0, largest_amplitude = 0.0;
   double lowest_frequency = 0.0, highest_frequency = 0.0;  ///< Hz; 0: no test has a known rate
   double noise_displacement = 0.0;
+  /// The axis is one along which a link is its own mirror image (y, rx, rz): the spring is odd.
+  SpringSymmetry symmetry = SpringSymmetry::none;
   bool closed = false;  ///< at least one closed cycle: friction can be told from stiffness
 };
 

@@ -4,8 +4,15 @@
 
 namespace grouser {
 
-MonotoneBasis::MonotoneBasis(double low, double high, int intervals)
-    : low_(low), width_((high - low) / intervals), intervals_(intervals) {}
+MonotoneBasis::MonotoneBasis(double low, double high, int intervals, SpringSymmetry symmetry)
+    : low_(low), width_((high - low) / intervals), intervals_(intervals), symmetry_(symmetry) {}
+
+Eigen::VectorXd MonotoneBasis::untied(const Eigen::VectorXd& increments) const {
+  if (symmetry_ == SpringSymmetry::none) return increments;
+  Eigen::VectorXd full(full_size());
+  for (int j = 0; j < full_size(); ++j) full(j) = increments(std::min(j, full_size() - 1 - j));
+  return full;
+}
 
 void MonotoneBasis::evaluate(double x, double* row) const {
   const double position = std::clamp((x - low_) / width_, 0.0, static_cast<double>(intervals_));
@@ -14,14 +21,18 @@ void MonotoneBasis::evaluate(double x, double* row) const {
   const double b1 = (4.0 - 6.0 * u * u + 3.0 * u * u * u) / 6.0;  // second, third, fourth B-spline of the interval
   const double b2 = (4.0 - 6.0 * v * v + 3.0 * v * v * v) / 6.0;
   const double b3 = u * u * u / 6.0;
-  std::fill(row, row + interval, 1.0);
-  row[interval] = b1 + b2 + b3;
-  row[interval + 1] = b2 + b3;
-  row[interval + 2] = b3;
-  std::fill(row + interval + 3, row + size(), 0.0);
+  const auto value = [&](int j) {
+    if (j < interval) return 1.0;
+    return j == interval ? b1 + b2 + b3 : (j == interval + 1 ? b2 + b3 : (j == interval + 2 ? b3 : 0.0));
+  };
+  for (int j = 0; j < size(); ++j) {
+    const int mirrored = full_size() - 1 - j;
+    row[j] = value(j) + (symmetry_ == SpringSymmetry::odd && mirrored != j ? value(mirrored) : 0.0);
+  }
 }
 
-SpringSpline MonotoneBasis::curve(const Eigen::VectorXd& increments) const {
+SpringSpline MonotoneBasis::curve(const Eigen::VectorXd& tied) const {
+  const Eigen::VectorXd increments = untied(tied);
   SpringSpline spring;
   double settled = 0.0;  // sum of the increments that are complete at this knot
   for (int i = 0; i <= intervals_; ++i) {
@@ -41,17 +52,27 @@ SpringSpline MonotoneBasis::spring(const Eigen::VectorXd& increments) const {
   SpringSpline spring = curve(increments);
   const double at_rest = grouser::evaluate(spring, 0.0).force;
   for (double& force : spring.force) force -= at_rest;
+  if (symmetry_ == SpringSymmetry::none) return spring;
+  for (std::size_t i = 0, j = spring.force.size() - 1; i <= j && j < spring.force.size(); ++i, --j) {
+    spring.displacement[i] = -spring.displacement[j];  // to the last bit, so that a run can hold its mirror symmetry
+    spring.force[i] = -spring.force[j];
+    spring.slope[i] = spring.slope[j];
+    if (i == j) spring.displacement[i] = spring.force[i] = 0.0;
+  }
   return spring;
 }
 
 Eigen::MatrixXd MonotoneBasis::roughness() const {
-  Eigen::MatrixXd difference = Eigen::MatrixXd::Zero(std::max(size() - 2, 0), size());
+  Eigen::MatrixXd difference = Eigen::MatrixXd::Zero(std::max(full_size() - 2, 0), full_size());
   for (Eigen::Index i = 0; i < difference.rows(); ++i) {
     difference(i, i) = 1.0;
     difference(i, i + 1) = -2.0;
     difference(i, i + 2) = 1.0;
   }
-  return difference.transpose() * difference;
+  if (symmetry_ == SpringSymmetry::none) return difference.transpose() * difference;
+  Eigen::MatrixXd tied = Eigen::MatrixXd::Zero(difference.rows(), size());
+  for (int j = 0; j < full_size(); ++j) tied.col(std::min(j, full_size() - 1 - j)) += difference.col(j);
+  return tied.transpose() * tied;
 }
 
 }  // namespace grouser

@@ -157,17 +157,18 @@ void settle_block(PreparedTest& test, const std::vector<Cycle*>& block) {
     first = k;
     if (std::abs(now - before) <= tolerance) break;
   }
-  first = std::max({first, block.size() / 2, block.size() - std::min(block.size(), k_most_cycles)});
+  const std::size_t settled = std::max(first, block.size() / 2);
+  const std::size_t enough = block.size() - std::min(block.size(), k_most_cycles);
   for (std::size_t k = 0; k < block.size(); ++k) {
-    block[k]->used = k >= first;
-    if (k < first) block[k]->note = "conditioning";
+    block[k]->used = k >= settled && k >= enough;
+    if (!block[k]->used) block[k]->note = k < settled ? "conditioning" : "later cycles are enough";
   }
 }
 
 void choose_cycles(PreparedTest& test) {
   if (test.cycles.empty()) return;
-  if (test.source->kind == TestKind::cyclic)
-    mark_transitions(test.cycles);  // a ramp's first cycle creeps: conditioning
+  // The first cycle of a ramp creeps from its virgin zero: that is conditioning, no transition.
+  if (test.source->kind == TestKind::cyclic) mark_transitions(test.cycles);
   test.blocks = number_blocks(test.cycles);
   if (test.source->discard_cycles) {
     for (std::size_t k = 0; k < test.cycles.size(); ++k) {
