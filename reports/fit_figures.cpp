@@ -14,8 +14,7 @@
 namespace grouser {
 namespace {
 
-constexpr Rgb k_measured{0.53f, 0.56f,
-                         0.61f};  // grey: reads on a light and on a dark page, and leaves the colour to the fit
+constexpr Rgb k_measured{0.38f, 0.52f, 0.68f};  // reads on a light and on a dark page
 
 std::vector<double> times(const std::vector<double>& values, double factor) {
   std::vector<double> scaled_values = values;
@@ -85,7 +84,6 @@ Panel measure_panel(const std::vector<const TestFit*>& tests, bool over_frequenc
       fitted.y.push_back(measure(test->fitted));
     }
     panel.series.push_back(std::move(fitted));
-    panel.series.push_back(std::move(measured));
   }
   return panel;
 }
@@ -129,16 +127,25 @@ std::optional<Figure> figure_loops(const FitRecord& fit, Axis axis) {
     panel.x_label = "Displacement [" + units.displacement + "]";
     panel.y_label = (is_rotation(axis) ? "Torque [" : "Force [") + units.force + "]";
     const bool first = figure.panels.empty();  // one legend serves all
-    panel.series.push_back({.name = first ? "measured" : "",
-                            .x = times(test.curve.displacement, units.displacement_scale),
-                            .y = times(test.curve.force, units.force_scale),
-                            .width = 4.2f,
-                            .color = k_measured});
+    Series measured{.name = first ? "measured" : "",
+                    .x = {},
+                    .y = {},
+                    .style = SeriesStyle::points,
+                    .width = 2.4f,
+                    .color = k_measured};
+    constexpr std::size_t k_points = 44;  // more would hide the fit
+    const std::size_t stride = std::max<std::size_t>(1, test.curve.displacement.size() / k_points);
+    for (std::size_t i = 0; i < test.curve.displacement.size(); i += stride) {
+      measured.x.push_back(units.displacement_scale * test.curve.displacement[i]);
+      measured.y.push_back(units.force_scale * test.curve.force[i]);
+    }
+    panel.series.push_back(std::move(measured));
     panel.series.push_back({.name = first ? "fit" : "",
                             .x = times(test.curve.displacement, units.displacement_scale),
                             .y = times(test.curve.fitted, units.force_scale),
-                            .width = 1.2f,
+                            .width = 1.3f,
                             .color = Rgb{0.87f, 0.36f, 0.08f}});
+    panel.series.push_back(std::move(measured));
     figure.panels.push_back(std::move(panel));
   }
   if (figure.panels.empty()) return std::nullopt;

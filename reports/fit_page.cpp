@@ -59,7 +59,9 @@ json check_facts(const FitRecord& fit) {
 
 json error_facts(double fitted, double measured) {
   const double error = relative_error(fitted, measured);
-  return {{"value", error}, {"text", fmt::format("{}{}", error > 0.0 ? "+" : "", percent_text(error, 2))}};
+  const std::string digits = fmt::format("{:.1f} %", 100.0 * std::abs(error));
+  const char* sign = digits == "0.0 %" ? "" : error > 0.0 ? "+" : "\u2212";
+  return {{"value", error}, {"text", fmt::format("{}{}", sign, digits)}};
 }
 
 json test_facts(const TestFit& test) {
@@ -68,12 +70,14 @@ json test_facts(const TestFit& test) {
     return json{{"value", si}, {"unit", unit}, {"text", number_text(si * scale, 3)}};
   };
   const LoopMeasures &m = test.measured, &f = test.fitted;
+  const bool cyclic = test.kind == TestKind::cyclic;
   return {
       {"name", test.name},
-      {"kind", test.kind == TestKind::cyclic ? "cyclic" : "static"},
+      {"kind", cyclic ? "cyclic" : "static"},
       {"cycles", fmt::format("{} of {}", test.cycles_used, test.cycles)},
       {"samples", {{"value", test.samples}, {"text", count_text(test.samples)}}},
-      {"frequency", {{"value", test.frequency}, {"text", test.frequency > 0.0 ? number_text(test.frequency, 3) : "–"}}},
+      {"frequency",
+       {{"value", test.frequency}, {"text", cyclic && test.frequency > 0.0 ? number_text(test.frequency, 3) : "–"}}},
       {"amplitude", in_units(test.amplitude, units.displacement_scale, units.displacement)},
       {"nrmse", {{"value", test.nrmse}, {"text", percent_text(test.nrmse, 2)}}},
       {"stiffness", in_units(m.effective_stiffness, units.stiffness_scale, units.stiffness)},

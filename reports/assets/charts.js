@@ -46,7 +46,7 @@ const grouserCharts = (() => {
     const c = u.ctx, box = u.bbox, ratio = devicePixelRatio;
     c.save();
     c.beginPath(); c.rect(box.left, box.top, box.width, box.height); c.clip();
-    c.strokeStyle = c.fillStyle = css("--soft");
+    c.strokeStyle = c.fillStyle = css("--note");
     c.textAlign = "left"; c.lineWidth = ratio; c.setLineDash([4 * ratio, 3 * ratio]);
     c.font = `${11.5 * ratio}px ${getComputedStyle(document.body).fontFamily}`;
     for (const mark of panel.marks) {
