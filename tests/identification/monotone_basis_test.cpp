@@ -70,4 +70,27 @@ TEST(MonotoneBasis, ReproducesAStiffeningCubicExactly) {
 }
 
 }  // namespace
+// A link is its own mirror image in the track's plane: along y, rx and rz the law has no preferred sign, to the last
+// bit.
+TEST(MonotoneBasis, IsOddForMirrorSymmetricAxes) {
+  const MonotoneBasis basis(-2.5, 2.5, 14, SpringSymmetry::odd);
+  EXPECT_EQ(basis.size(), 8);
+  const Eigen::VectorXd increments = random_increments(basis, 5);
+  const SpringSpline spring = basis.spring(increments);
+  for (std::size_t i = 0, j = spring.force.size() - 1; i < spring.force.size(); ++i, --j) {
+    EXPECT_EQ(spring.force[i], -spring.force[j]);
+    EXPECT_EQ(spring.displacement[i], -spring.displacement[j]);
+    EXPECT_EQ(spring.slope[i], spring.slope[j]);
+  }
+  for (double x = -2.5; x <= 2.5; x += 0.01) {  // round-off of sums of order 10
+    EXPECT_NEAR(evaluate(spring, x).force, along(basis, increments, x) - basis.force_at_rest(increments),
+                1e-13 * increments.sum());
+  }
+  const MonotoneBasis free(-2.5, 2.5, 14);
+  Eigen::VectorXd untied(free.size());
+  for (int i = 0; i < free.size(); ++i) untied(i) = increments(std::min(i, free.size() - 1 - i));
+  EXPECT_NEAR(increments.dot(basis.roughness() * increments), untied.dot(free.roughness() * untied),
+              1e-12 * untied.squaredNorm());
+}
+
 }  // namespace grouser
