@@ -162,7 +162,13 @@ json axis_facts(const FitFolder& folder, const AxisFit& axis, const std::string&
   return facts;
 }
 
-json headline_facts(const FitRecord& fit) {
+}  // namespace
+
+FitFolder open_fit(const std::filesystem::path& folder) {
+  return {folder, read_fit(folder / "fit.json"), read_bushing(folder / "bushing.json")};
+}
+
+json fit_headline(const FitRecord& fit) {
   long samples = 0;
   double worst = 0.0;
   for (const TestFit& test : fit.tests) {
@@ -185,12 +191,6 @@ json headline_facts(const FitRecord& fit) {
   return tiles;
 }
 
-}  // namespace
-
-FitFolder open_fit(const std::filesystem::path& folder) {
-  return {folder, read_fit(folder / "fit.json"), read_bushing(folder / "bushing.json")};
-}
-
 json fit_verdict(const FitRecord& fit) {
   const json checks = check_facts(fit);
   const auto failed = std::ranges::count_if(checks, [](const json& c) { return !c["pass"].get<bool>(); });
@@ -210,7 +210,7 @@ json fit_facts(const FitFolder& folder, const std::string& id, int level) {
   facts["checks"] = check_facts(fit);
   facts["has_checks"] = true;
   facts["verdict"] = fit_verdict(fit);
-  facts["headline"] = headline_facts(fit);
+  facts["headline"] = fit_headline(fit);
   facts["tile_columns"] = tile_columns(facts["headline"].size());
   facts["synthetic"] = json::array();
   if (fit.synthetic)

@@ -56,20 +56,14 @@ json run_card(const std::filesystem::path& folder) {
 json fit_card(const std::filesystem::path& folder) {
   const FitFolder opened = open_fit(folder);
   const FitRecord& fit = opened.fit;
-  json facts{{"kind", "Identification"}, {"title", fit.specimen}, {"numbers", json::array()}};
-  facts["verdict"] = fit_verdict(fit);
-  double worst = 0.0;
-  for (const TestFit& test : fit.tests) worst = std::max(worst, test.nrmse);
-  facts["numbers"].push_back(
-      {{"label", "tests"}, {"value", fit.tests.size()}, {"text", count_text(static_cast<long>(fit.tests.size()))}});
-  facts["numbers"].push_back(
-      {{"label", "largest residual of a test"}, {"value", worst}, {"text", percent_text(worst, 2)}});
-  facts["numbers"].push_back({{"label", "warnings about the data"},
-                              {"value", fit.warnings.size()},
-                              {"text", count_text(static_cast<long>(fit.warnings.size()))}});
+  json facts{{"kind", "Identification"},
+             {"title", fit.specimen},
+             {"verdict", fit_verdict(fit)},
+             {"numbers", fit_headline(fit)}};
   facts["payload_picture"] = false;
   if (!fit.axes.empty())
     if (std::optional<Figure> figure = figure_backbone(fit.axes.front())) {
+      figure->title.clear();
       figure->width = 800;
       figure->height = 450;
       facts["payload_picture"] = encoded(draw(*figure, Theme::light, 1.5));

@@ -29,6 +29,8 @@ struct FitFolder {
 [[nodiscard]] nlohmann::json fit_facts(const FitFolder& folder, const std::string& id, int level);
 /// {pass, text}: whether the fit reached what it must, in one sentence.
 [[nodiscard]] nlohmann::json fit_verdict(const FitRecord& fit);
+/// The few numbers of a fit that a reader looks for first.
+[[nodiscard]] nlohmann::json fit_headline(const FitRecord& fit);
 /// {pass, text} of a run.
 [[nodiscard]] nlohmann::json run_verdict(const RunSummary& summary);
 /// The few numbers of a run that a reader looks for first.
