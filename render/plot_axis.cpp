@@ -57,7 +57,7 @@ Ticks logarithmic_ticks(const PlotAxis& axis, double count) {
   const auto label = [](double value, int exponent) {
     return exponent >= -3 && exponent <= 4 ? number_text(value, std::max(0, -exponent)) : power_of_ten(exponent);
   };
-  const int every = std::max(1, static_cast<int>(std::ceil((high - low) / std::max(count, 1.0))));
+  const int every = std::max(1, static_cast<int>(std::lround((high - low) / std::max(count, 1.0))));
   const bool few = high - low < 1.6;  // too few decades: label 2 and 5 as well
   for (int e = static_cast<int>(std::floor(low)); e <= static_cast<int>(std::ceil(high)); ++e) {
     for (int digit = 1; digit < 10; ++digit) {
