@@ -187,15 +187,26 @@ class TouchingPoses {
         base.rate[j] = moving ? 5.0 * unit() : 0.0;
       }
       const RunningGear& gear = scene.left();
-      const Vector3d aside(0.0, 0.025 * unit(), 0.0);
-      const bool wheel = unit() > 0.0;
       const DiscPair& pair = gear.stations[3].wheel;
-      const Vector3d place = wheel ? under_wheel(scene, pair, 0.12 * unit(), 3e-3 + 4e-3 * unit()) + aside
-                                   : with_pin_at(scene, 0.325 + 0.02 * unit(), 0.03 * unit()) + aside;
-      // The arm's turn carries the wheel away from its place at design; follow it.
-      const std::size_t arm = static_cast<std::size_t>(
-          scene.system.tree.bodies[static_cast<std::size_t>(scene.system.tracks[0].discs[3].body)].parent);
-      if (wheel) base.angle[static_cast<Eigen::Index>(arm)] = 0.0;
+      const auto body = static_cast<std::size_t>(scene.system.tracks[0].discs[3].body);
+      const int arm = scene.system.tree.bodies[body].parent;
+      Vector3d place(0.0, 0.025 * unit(), 0.0);
+      switch (kind_++ % 4) {
+        case 0:  // rims on the wheel path, horn between the discs
+          place += under_wheel(scene, pair, 0.12 * unit(), 3e-3 + 4e-3 * unit());
+          base.angle[arm] = 0.0;  // the wheel stands where it stood at design
+          break;
+        case 1:  // a rim on the horn
+          place += under_wheel(scene, pair, 0.12 * unit(), -0.076 + 2e-3 * unit());
+          place.y() += unit() > 0.0 ? 0.05 : -0.05;
+          base.angle[arm] = 0.0;
+          break;
+        case 2:  // a pin between the teeth
+          place += with_pin_at(scene, 0.325 + 0.02 * unit(), 0.03 * unit());
+          break;
+        default:  // a pin on the base circle
+          place += with_pin_at(scene, 0.289 + 0.002 * unit(), 0.01 * unit());
+      }
       LinkMotion link;
       link.position = base.position + base.orientation * (place - scene.system.chassis_center_V);
       link.orientation = base.orientation * quaternion_exp(vector(0.04));
@@ -209,6 +220,7 @@ class TouchingPoses {
   }
 
  private:
+  int kind_ = 0;
   std::mt19937 random_;
   std::uniform_real_distribution<double> unit_{-1.0, 1.0};
 };
