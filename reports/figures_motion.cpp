@@ -72,9 +72,16 @@ Figure figure_path(const RunFolder& run) {
       {.name = "start", .x = {x.front()}, .y = {y.front()}, .style = SeriesStyle::points, .width = 3.5f});
   panel.series.push_back(
       {.name = "end", .x = {x.back()}, .y = {y.back()}, .style = SeriesStyle::points, .width = 3.5f});
+  const auto [rear, front] = std::ranges::minmax(x);
   const auto [low, high] = std::ranges::minmax(y);
-  // A straight run would otherwise blow micrometres of drift up to the height of the page.
-  const double half = std::max(0.6 * (high - low), 0.05);
+  // A straight run would otherwise blow micrometres of drift up to the height of the page; a turn on the spot keeps one
+  // scale along both axes (the panel is about 2.2 times as wide as high).
+  constexpr double k_aspect = 2.2, k_spot = 3.0 /* m */;
+  double half = std::max(0.6 * (high - low), 0.05);
+  if (front - rear < k_spot) {
+    half = std::max(half, 0.6 * (front - rear) / k_aspect);
+    panel.x_range = {{0.5 * (rear + front) - k_aspect * half, 0.5 * (rear + front) + k_aspect * half}};
+  }
   panel.y_range = {{0.5 * (low + high) - half, 0.5 * (low + high) + half}};
   figure.panels = {std::move(panel)};
   figure.height = 320;
