@@ -9,7 +9,8 @@
 
 namespace grouser {
 
-/// Names of the figures that a run folder can show ("step_size", "tension", "contact_forces", ...), with a line on each.
+/// Names of the figures that a run folder can show ("step_size", "tension", "contact_forces", ...), with a line on
+/// each.
 struct FigureEntry {
   std::string name, meaning;
 };
