@@ -22,7 +22,7 @@ struct StillPlan {
   double fraction;
   const char* camera;
 };
-constexpr StillPlan k_stills[] = {{0.0, "chase"}, {0.65, "chase"}, {1.0, "chase"}};
+constexpr StillPlan k_stills[] = {{0.0, "side"}, {0.65, "chase"}, {0.7, "sprocket"}};
 
 /// film.mp4, stills and report of a run folder.
 ExitCode show(const fs::path& folder, const Progress& progress) {

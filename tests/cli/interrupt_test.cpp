@@ -52,7 +52,7 @@ TEST_P(Interrupted, AssemblyLeavesNoRunBehind) {
 }
 
 INSTANTIATE_TEST_SUITE_P(BySignal, Interrupted, ::testing::Values(SIGINT, SIGTERM),
-                         [](const auto& info) { return info.param == SIGINT ? "Sigint" : "Sigterm"; });
+                         [](const auto& which) { return which.param == SIGINT ? "Sigint" : "Sigterm"; });
 
 TEST(Progress, IsALineEveryTenthWhereThereIsNoTerminal) {
   const TemporaryFolder folder;
