@@ -90,6 +90,7 @@ void write_index(const std::filesystem::path& folder) {
     throw InputError(InputFinding{folder.string(), "", "folders with a run.json or a fit.json", "none", ""});
   page["is_synthetic"] =
       std::ranges::any_of(page["cards"], [](const json& c) { return c["is_synthetic"].get<bool>(); });
+  page["whole"] = std::filesystem::exists(folder / "report.html");
   write_whole(folder / "index.html", render_page("index", page));
 }
 
