@@ -245,7 +245,7 @@ CompiledSpring compile_spring(const SpringSpline& given) {
   const int cells = 4 * static_cast<int>(n);
   spring.cells_per_unit = cells / (spring.high - spring.low);
   int interval = 0;
-  for (int c = 0; c < cells; ++c) {
+  for (int c = 0; c <= cells; ++c) {  // one more: the product of a lookup just below `high` may round up to `cells`
     const double x = spring.low + c / spring.cells_per_unit;
     while (interval + 2 < static_cast<int>(n) && x >= spring.knot[static_cast<std::size_t>(interval) + 1]) ++interval;
     spring.cell_interval.push_back(interval);
