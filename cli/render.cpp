@@ -87,12 +87,11 @@ Command add_render(CLI::App& root) {
                                       "--frames and --still, into the output folder")
                           ->type_name("FILE.mp4")
                           ->capture_default_str();
-  CLI::Option* frames = app->add_flag("--frames", options->frames, "frame_000000.png and so on");
-  CLI::Option* still =
-      app->add_option("--still", options->stills, "still_T s.png at time T of the run; may be repeated")
-          ->type_name("T")
-          ->allow_extra_args(false)
-          ->check(CLI::NonNegativeNumber);
+  CLI::Option* frames = app->add_flag("--frames", options->frames, "Numbered pictures: frame_000000.png and so on");
+  CLI::Option* still = app->add_option("--still", options->stills, "Picture at time T [s] of the run; may be repeated")
+                           ->type_name("T")
+                           ->allow_extra_args(false)
+                           ->check(CLI::NonNegativeNumber);
   film->excludes(frames)->excludes(still);
   frames->excludes(still);
   app->add_option("--size", options->size, "Pixels")

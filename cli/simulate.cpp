@@ -15,6 +15,7 @@ namespace fs = std::filesystem;
 struct Options {
   SimulateRequest request;
   std::string folder;
+  int threads = 1;
 };
 
 /// `path=value` of --set; the parser has made sure of the sign.
@@ -101,6 +102,11 @@ Command add_simulate(CLI::App& root) {
                                                                               : std::string();
           },
           "", "path=value"));
+  app->add_option("--threads", options->threads,
+                  "At most so many; a run takes one, the result is the same for any number")
+      ->check(CLI::PositiveNumber)
+      ->type_name("N")
+      ->capture_default_str();
   app->footer("A run that fails or is interrupted keeps what it computed, with its reason in run.json.");
   return {app, [options](Console& console) { return run(*options, console); }};
 }

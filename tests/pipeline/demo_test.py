@@ -1,0 +1,79 @@
+"""`grouser demo` on data whose runs are short: every part in its place, and an interruption that leaves nothing running."""
+
+import json
+import os
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+
+from command import COMMAND, DATA, run
+
+SHORT_S = 0.2
+
+
+def short_data(folder):
+    """test_data with runs of a fifth of a second."""
+    for name in ("rig", "vehicles", "bushings"):
+        os.symlink(os.path.join(DATA, name), os.path.join(folder, name))
+    os.mkdir(os.path.join(folder, "scenarios"))
+    for name in ("run_a.json", "run_b.json"):
+        with open(os.path.join(DATA, "scenarios", name), encoding="utf-8") as file:
+            scenario = json.load(file)
+        scenario["duration_s"] = SHORT_S
+        with open(os.path.join(folder, "scenarios", name), "w", encoding="utf-8") as file:
+            json.dump(scenario, file)
+    return folder
+
+
+def children_of(process):
+    with open(f"/proc/{process}/task/{process}/children", encoding="utf-8") as file:
+        return [int(child) for child in file.read().split()]
+
+
+def alive(process):
+    try:
+        with open(f"/proc/{process}/stat", encoding="utf-8") as file:
+            return file.read().rsplit(")", 1)[1].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+class Demo(unittest.TestCase):
+    def test_every_part_stands_in_its_place(self):
+        with tempfile.TemporaryDirectory() as data, tempfile.TemporaryDirectory() as folder:
+            done = run("demo", "-o", folder, "--data", short_data(data))
+            self.assertEqual(done.stdout.splitlines()[-1], os.path.join(folder, "index.html"))
+            expected = ["index.html", "report.html", "report.json"]
+            expected += ["identification/" + name for name in ("bushing.json", "fit.json", "report.html", "report.json")]
+            for part in ("run_a/", "run_b/"):
+                expected += [part + name for name in ("run.h5", "run.json", "film.mp4", "report.html", "report.json")]
+            for name in expected:
+                self.assertGreater(os.path.getsize(os.path.join(folder, name)), 0, name)
+            stills = [name for name in os.listdir(os.path.join(folder, "run_a")) if name.startswith("still_")]
+            self.assertEqual(len(stills), 3)
+            with open(os.path.join(folder, "run_a/run.json"), encoding="utf-8") as file:
+                self.assertEqual(json.load(file)["simulated_time_s"], SHORT_S)
+
+    def test_an_interruption_stops_the_parts_too(self):
+        with tempfile.TemporaryDirectory() as folder:
+            with subprocess.Popen([COMMAND, "demo", "-o", folder], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                                  text=True) as demo:
+                for line in demo.stderr:
+                    if " of 17 s" in line:
+                        break
+                children = children_of(demo.pid)
+                self.assertEqual(len(children), 2)
+                demo.send_signal(signal.SIGINT)
+                demo.stderr.read()
+            self.assertEqual(demo.returncode, 130)
+            time.sleep(0.1)
+            self.assertFalse(any(map(alive, children)))
+            with open(os.path.join(folder, "run_a/run.json"), encoding="utf-8") as file:
+                self.assertEqual(json.load(file)["status"], "stopped")
+            self.assertFalse(os.path.exists(os.path.join(folder, "index.html")))
+
+
+if __name__ == "__main__":
+    unittest.main()
