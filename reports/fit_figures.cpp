@@ -84,6 +84,7 @@ Panel measure_panel(const std::vector<const TestFit*>& tests, bool over_frequenc
       fitted.y.push_back(measure(test->fitted));
     }
     panel.series.push_back(std::move(fitted));
+    panel.series.push_back(std::move(measured));
   }
   return panel;
 }
@@ -145,14 +146,14 @@ std::optional<Figure> figure_loops(const FitRecord& fit, Axis axis) {
                             .y = times(test.curve.fitted, units.force_scale),
                             .width = 1.3f,
                             .color = Rgb{0.87f, 0.36f, 0.08f}});
-    panel.series.push_back(std::move(measured));
     figure.panels.push_back(std::move(panel));
   }
   if (figure.panels.empty()) return std::nullopt;
   figure.name = std::string("loops_") + name_of(axis);
   figure.title = "Fit over measurement";
   figure.caption =
-      "Every test of the axis: measured loop (grey) with the response of the fitted law over it, cycles used in the "
+      "Every test of the axis: measured loop (points) with the response of the fitted law over it (line), cycles used "
+      "in the "
       "fit.";
   figure.columns = std::min<int>(3, static_cast<int>(figure.panels.size()));
   const int rows = (static_cast<int>(figure.panels.size()) + figure.columns - 1) / figure.columns;
