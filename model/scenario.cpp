@@ -118,8 +118,18 @@ class ScenarioReader {
                         const ObjectReader::Visit& visit) {
     Json document = parse_json(bytes, findings);
     if (document.is_null() && !findings.empty()) return {};
-    const std::string mirrored = expand_mirrored_side(document);
-    for (const auto& [path, value] : overrides_for(prefix)) apply_override(document, path, value, findings);
+    // A mirrored side follows what is set on the other; what is set on itself stands on top.
+    Json trial = document;
+    const std::string mirrored = expand_mirrored_side(trial);
+    const auto is_on_top = [&](const std::string& path) {
+      return !mirrored.empty() && path.substr(path.front() == '/' ? 1 : 0).rfind(mirrored, 0) == 0;
+    };
+    for (const bool on_top : {false, true}) {
+      for (const auto& [path, value] : overrides_for(prefix)) {
+        if (is_on_top(path) == on_top) apply_override(document, path, value, findings);
+      }
+      if (!on_top) expand_mirrored_side(document);
+    }
     read_document(document, format, findings, visit);
     forget_mirrored_findings(mirrored, findings);
     return json_text(document);

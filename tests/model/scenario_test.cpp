@@ -56,10 +56,19 @@ TEST(Override, ReplacesAQuantityInAnyUnit) {
   EXPECT_DOUBLE_EQ(scenario.integrator.fixed_step, 5e-5);
   EXPECT_EQ(scenario.drive[0].speed[1], 40.0);
   EXPECT_EQ(scenario.vehicle.side(Side::left).track.pre_tension, 60e3);
-  EXPECT_EQ(scenario.vehicle.side(Side::right).track.pre_tension, 100.3e3);
   EXPECT_EQ(scenario.vehicle.side(Side::right).track.pitch, 0.195);
   EXPECT_EQ(scenario.bushing.axis(Axis::x).viscous, 123.0);
   EXPECT_EQ(scenario.provenance.options.at("/duration_min"), "0.5");
+}
+
+TEST(Override, OfOneSideIsFollowedByTheSideThatMirrorsItUnlessThatIsSetToo) {
+  const Scenario both = run_a({{"vehicle.left.track.pre_tension_N", "60000"}});
+  EXPECT_EQ(both.vehicle.side(Side::left).track.pre_tension, 60e3);
+  EXPECT_EQ(both.vehicle.side(Side::right).track.pre_tension, 60e3);
+  const Scenario apart =
+      run_a({{"vehicle.left.track.pre_tension_N", "60000"}, {"vehicle.right.track.pre_tension_kN", "70"}});
+  EXPECT_EQ(apart.vehicle.side(Side::left).track.pre_tension, 60e3);
+  EXPECT_EQ(apart.vehicle.side(Side::right).track.pre_tension, 70e3);
 }
 
 TEST(Override, OfSomethingUnknownSaysWhatWasMeant) {
