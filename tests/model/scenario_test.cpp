@@ -106,12 +106,12 @@ TEST(RunInputs, ReadAgainGiveTheSameScenario) {
 TEST(RunInputs, KeepABushingOfOneTrack) {
   const TemporaryFolder folder;
   const std::string own = test_data("broken/good_bushing.json").string();
-  const Scenario scenario = run_a({{"vehicle.left.track.bushing", own}});
-  EXPECT_TRUE(scenario.side_bushing[0]);
-  EXPECT_EQ(&scenario.bushing_of(Side::right), &scenario.bushing);
+  const Scenario scenario = run_a({{"vehicle.right.track.bushing", own}});
+  EXPECT_TRUE(scenario.side_bushing[1]);
+  EXPECT_EQ(&scenario.bushing_of(Side::left), &scenario.bushing);
   write_inputs(scenario, folder.path());
-  EXPECT_EQ(read_scenario(folder.path() / "inputs/scenario.json").vehicle.side(Side::left).track.bushing,
-            "bushing_left.json");
+  EXPECT_EQ(read_scenario(folder.path() / "inputs/scenario.json").vehicle.side(Side::right).track.bushing,
+            "bushing_right.json");
 }
 
 }  // namespace
