@@ -138,7 +138,8 @@ LocalError link_error(const System& system, const ErrorWeights& weights, const A
       const Lanes angular = arm * arm * measure(next.angular, now.angular, before.angular);
       const Lanes error2 = linear.max(angular);
       for (int lane = 0; lane < std::min(k_lanes, track.num_links - first); ++lane) {
-        if (!(error2[lane] <= worst.ratio)) worst = {error2[lane], i + lane};  // a NaN wins
+        if (std::isnan(error2[lane])) return {error2[lane], i + lane};
+        if (error2[lane] > worst.ratio) worst = {error2[lane], i + lane};
       }
     }
   }

@@ -14,8 +14,8 @@ void link_accelerations(const System& system, const AssemblyKnobs& knobs, const 
 double advance_links(const System& system, const StepWeights& weights, const State& now, const Acceleration& f_now,
                      const Acceleration& f_before, State& next);
 
-/// Largest embedded error of any link over its tolerance, and whose it is. Rotation counts as the speed of a point half
-/// a pitch away.
+/// Largest embedded error of any link over its tolerance, and whose it is; a link that is not a number comes first.
+/// Rotation counts as the speed of a point half a pitch away.
 struct LocalError {
   double ratio = 0.0;  ///< error / tolerance, maximum norm
   int link = -1;       ///< link array index
