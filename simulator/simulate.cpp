@@ -295,6 +295,8 @@ RunSummary simulate(const Scenario& scenario, const std::filesystem::path& folde
   summary.assembly_wall_time = seconds_since(start);
 
   std::filesystem::create_directories(folder);
+  // Should this run be killed, its channels must not stand beside the summary of an earlier one.
+  std::filesystem::remove(folder / "run.json");
   write_inputs(scenario, folder);
   start = std::chrono::steady_clock::now();
   Run run(system, assembled, folder);
