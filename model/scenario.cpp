@@ -12,6 +12,17 @@ namespace {
 namespace d = dimension;
 namespace fs = std::filesystem;
 
+/// rad/s at time 0, linear between the points and constant outside them.
+double speed_at_start(const DriveTable& drive) {
+  if (drive.time.front() >= 0.0) return drive.speed.front();
+  for (std::size_t i = 1; i < drive.time.size(); ++i) {
+    if (drive.time[i] < 0.0) continue;
+    const double share = -drive.time[i - 1] / (drive.time[i] - drive.time[i - 1]);
+    return drive.speed[i - 1] + share * (drive.speed[i] - drive.speed[i - 1]);
+  }
+  return drive.speed.back();
+}
+
 DriveTable read_drive(ObjectReader& r) {
   DriveTable drive;
   drive.time = r.quantities("time", d::time);
@@ -23,7 +34,12 @@ DriveTable read_drive(ObjectReader& r) {
   }
   const bool rises =
       std::adjacent_find(drive.time.begin(), drive.time.end(), std::greater_equal<>()) == drive.time.end();
-  if (!rises) r.report(r.key_of("time"), "strictly increasing values", "a value not above the one before it");
+  if (!rises) {
+    r.report(r.key_of("time"), "strictly increasing values", "a value not above the one before it");
+  } else if (drive.time.size() == drive.speed.size() && speed_at_start(drive) != 0.0) {
+    r.report(r.key_of("speed"), "a speed of 0 at time 0: a run starts from rest",
+             shown(Json(speed_at_start(drive))) + " rad/s");
+  }
   return drive;
 }
 
@@ -168,6 +184,7 @@ class ScenarioReader {
     Findings findings(vehicle_path_.string());
     scenario_.documents.vehicle = read_text(*bytes, k_vehicle_format, "vehicle.", findings,
                                             [this](ObjectReader& r) { scenario_.vehicle = read_vehicle(r); });
+    vehicle_read_ = findings.empty();
     findings_.add(findings);
     scenario_.vehicle.provenance.inputs.push_back(input);
     scenario_.provenance.inputs.push_back(input);
@@ -208,10 +225,14 @@ class ScenarioReader {
   void check_probes() {
     for (std::size_t i = 0; i < scenario_.output.probes.size(); ++i) {
       const ProbeLink& probe = scenario_.output.probes[i];
+      const std::string place = "/output/probes/" + std::to_string(i);
+      const bool twice =
+          std::any_of(scenario_.output.probes.begin(), scenario_.output.probes.begin() + static_cast<std::ptrdiff_t>(i),
+                      [&](const ProbeLink& p) { return p.side == probe.side && p.link == probe.link; });
+      if (twice) findings_.add(place, "a link that is not probed already", std::to_string(probe.link));
       const int links = scenario_.vehicle.side(probe.side).track.num_links;
-      if (links == 0 || probe.link < links) continue;
-      findings_.add("/output/probes/" + std::to_string(i) + "/link", "a link from 0 to " + std::to_string(links - 1),
-                    std::to_string(probe.link));
+      if (!vehicle_read_ || probe.link < links) continue;
+      findings_.add(place + "/link", "a link from 0 to " + std::to_string(links - 1), std::to_string(probe.link));
     }
   }
 
@@ -219,6 +240,7 @@ class ScenarioReader {
   const ScenarioOverrides& overrides_;
   Findings findings_;
   Scenario scenario_;
+  bool vehicle_read_ = false;  ///< without a finding
 };
 
 /// The document with one text member changed; `pointer` leads to it.

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "model/errors.h"
-#include "simulator/drive.h"
 #include "simulator/track_path.h"
 #include "simulator/track_watch.h"
 
@@ -42,12 +41,12 @@ IdlerAngle close_track(const RunningGear& gear, Side side) {
       return {low, excess(low + 1e-3) > excess(low) ? 1.0 : -1.0};
     }
   }
-  throw NumericalError(
-      fmt::format("assembly of the {} track: {} links of {:.4f} m are {:.3f} m long, the way round the running gear is "
-                  "{:.3f} m at design and "
-                  "the idler cannot make up the difference within {:.1f} rad; change num_links, pitch or the idler",
-                  name_of(side), gear.track.num_links, gear.track.pitch, gear.track.num_links * gear.track.pitch,
-                  path_length(path_wheels(gear, 0.0)), k_largest_idler_turn));
+  throw NumericalError(fmt::format(
+      "assembly of the {} track: {} links of {:.4f} m are {:.3f} m long, the way round the running gear is "
+      "{:.3f} m at design and "
+      "the idler cannot make up the difference within {:.1f} rad; change the number of links, the pitch or the idler",
+      name_of(side), gear.track.num_links, gear.track.pitch, gear.track.num_links * gear.track.pitch,
+      path_length(path_wheels(gear, 0.0)), k_largest_idler_turn));
 }
 
 /// Turns the sprocket (nearest way) so that a gap stands under the pin nearest to its outermost point.
@@ -80,17 +79,6 @@ void place_links_on_path(const CompiledTrack& track, const RunningGear& gear, co
     state.orientation[0][i] = std::cos(0.5 * pitch_down);
     state.orientation[2][i] = std::sin(0.5 * pitch_down);
   }
-}
-
-void require_standing_start(const Scenario& scenario) {
-  std::vector<InputFinding> findings;
-  for (const Side side : {Side::left, Side::right}) {
-    const double speed = drive_motion(scenario.drive[static_cast<std::size_t>(index_of(side))], 0.0).speed;
-    if (speed == 0.0) continue;
-    findings.push_back({scenario.path.string(), std::string("/drive/") + name_of(side),
-                        "a sprocket speed of 0 at time 0", fmt::format("{} rad/s", speed), "a run starts from rest"});
-  }
-  if (!findings.empty()) throw InputError(std::move(findings));
 }
 
 double largest_link_speed(const System& system, const State& state) {
@@ -186,7 +174,6 @@ void check_tension(const System& system, const Assembled& assembled) {
 }  // namespace
 
 Assembled assemble(const System& system, const Progress& progress) {
-  require_standing_start(system.scenario);
   const Vehicle& vehicle = system.scenario.vehicle;
   State start = make_state(system);
   start.time = -system.scenario.assembly.settle_time;

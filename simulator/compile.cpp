@@ -176,6 +176,7 @@ void add_running_gear(System& system, const RunningGear& gear, Side side) {
   bodies.push_back(make_body(prefix + "sprocket", -1, gear.sprocket.center - center, gear.sprocket.body));
   bodies.back().prescribed = true;
   track.sprocket = compile_sprocket(gear.sprocket, gear.track, system.sprocket_body[s]);
+  track.speed_per_sprocket_rate = gear.sprocket.teeth * gear.track.pitch / (2.0 * k_pi);
   for (auto body = bodies.begin() + first; body != bodies.end(); ++body) body->mirror_group = index_of(side);
 }
 
@@ -278,8 +279,6 @@ System compile(const Scenario& scenario) {
   }
   for (const TreeBody& body : system.tree.bodies) mass += body.mass;
   system.weight = mass * scenario.gravity;
-  const CompiledTrack& left = system.tracks[0];
-  system.track_speed_per_sprocket_rate = left.sprocket.teeth * left.pitch / (2.0 * k_pi);
   return system;
 }
 
@@ -298,6 +297,14 @@ int System::num_degrees_of_freedom() const {
 int System::num_prescribed() const {
   return static_cast<int>(
       std::count_if(tree.bodies.begin(), tree.bodies.end(), [](const TreeBody& b) { return b.prescribed; }));
+}
+
+std::string link_name(const System& system, int index) {
+  for (const CompiledTrack& track : system.tracks) {
+    if (index < track.offset || index >= track.offset + track.num_links) continue;
+    return "link " + std::to_string(index - track.offset) + " of the " + name_of(track.side) + " track";
+  }
+  return "the chassis";
 }
 
 std::vector<std::string> joint_names(const System& system) {

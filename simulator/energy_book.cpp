@@ -6,8 +6,8 @@
 namespace grouser {
 
 double EnergyBook::residual_fraction() const {
-  const double scale = std::max({absolute_input, dissipated(), 1.0});
-  return std::abs(residual()) / scale;
+  const double scale = absolute_input > 0.0 ? absolute_input : dissipated();
+  return std::abs(residual()) / std::max(scale, 1.0);  // J; a parked vehicle turns over next to nothing
 }
 
 EnergyBook open_book(const EnergyTerms& terms) {

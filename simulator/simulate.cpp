@@ -78,6 +78,7 @@ class Run {
       for (const double speed : table.speed) largest_rate_ = std::max(largest_rate_, std::abs(speed));
     }
     record(snapshot(), snapshot());
+    writer_.flush();
   }
 
   /// Steps to the end; returns the status and fills the summary's message.
@@ -93,11 +94,16 @@ class Run {
     for (const double corner : corners) {
       while (stepper_.state().time < corner) {
         if (const RunStatus status = advance_to(corner, summary); status != RunStatus::completed) return status;
-        if (steps_.accepted % 500 == 0 && !report(progress, duration, summary)) return RunStatus::stopped;
+        if (steps_.accepted % k_steps_between_reports != 0) continue;
+        if (!report(progress, duration, summary)) return RunStatus::stopped;
+        if (stepper_.state().time >= flushed_ + k_flush_period) {
+          flushed_ = stepper_.state().time;
+          writer_.flush();
+        }
       }
     }
     if (book_.residual_fraction() >= k_largest_residual) return chatter(summary);
-    summary.message = fmt::format("{:.3f} s simulated", stepper_.state().time);
+    summary.message = fmt::format("{:.3f} s simulated", stepper_.state().time) + beyond_identified();
     return RunStatus::completed;
   }
 
@@ -122,7 +128,10 @@ class Run {
 
  private:
   static constexpr double k_largest_residual = 1e-3;
-  static constexpr double k_still_share = 0.02;  // of the largest sprocket speed
+  static constexpr long k_steps_between_reports = 500;
+  static constexpr long k_steps_between_tooth_counts = 20;  // far less than a tooth at any speed a step can follow
+  static constexpr double k_flush_period = 0.25;            // s simulated; what a killed run loses at most
+  static constexpr double k_still_share = 0.02;             // of the largest sprocket speed
 
   [[nodiscard]] Snapshot snapshot() const {
     return {stepper_.state(), stepper_.work(), stepper_.acceleration(), book_};
@@ -136,7 +145,7 @@ class Run {
     ++steps_.accepted;
     steps_.min = std::min(steps_.min, stepper_.last_step());
     steps_.max = std::max(steps_.max, stepper_.last_step());
-    const Snapshot previous{stepper_.previous_state(), stepper_.previous_work(), stepper_.acceleration(),
+    const Snapshot previous{stepper_.previous_state(), stepper_.previous_work(), stepper_.previous_acceleration(),
                             previous_book_};
     record(previous, snapshot());
     const std::array<double, 4> step{stepper_.state().time, stepper_.last_step(), stepper_.last_error(),
@@ -144,6 +153,9 @@ class Run {
     writer_.append(static_cast<std::size_t>(RunTable::steps), step);
     watch_steps();
     watch_bushings();
+    if (steps_.accepted % k_steps_between_tooth_counts == 0) {
+      for (ToothCounter& counter : counters_) counter.update(system_, stepper_.state());
+    }
     return watch_track(summary);
   }
 
@@ -168,7 +180,6 @@ class Run {
     series_.ground_force.push_back(ground);
     for (std::size_t c = 0; c < k_num_contact_cases; ++c)
       series_.case_total[c] += static_cast<double>(now.work.case_count[c]);
-    for (ToothCounter& counter : counters_) counter.update(system_, now.state);
   }
 
   [[nodiscard]] std::span<const double> vertical_ground_force(const Workspace& work) const {
@@ -219,19 +230,28 @@ class Run {
   }
 
   RunStatus numerical_failure(StepStatus status, RunSummary& summary) {
-    const int link = stepper_.worst_link();
-    std::string body = "the chassis";
-    for (const CompiledTrack& track : system_.tracks) {
-      if (link >= track.offset && link < track.offset + track.num_links) {
-        body = fmt::format("link {} of the {} track", link - track.offset, name_of(track.side));
-      }
-    }
-    const std::string cause =
-        status == StepStatus::underflow
-            ? "asks for a step below integrator.min_step: step underflow"
-            : "is no longer finite, or a link turned by more than half a radian in a step: the run diverged";
-    summary.message = fmt::format("at {:.6f} s the acceleration of {} {}", stepper_.state().time, body, cause);
+    const std::string body = link_name(system_, stepper_.worst_link());
+    const char* quantity = "the acceleration is no longer finite: the run diverged";
+    if (status == StepStatus::turned_too_far)
+      quantity = "it turned by more than half a radian in one step: the run diverged";
+    if (status == StepStatus::underflow)
+      quantity = "its local error asks for a step below integrator.min_step: step underflow";
+    summary.message = fmt::format("at {:.6f} s, {}: {}", stepper_.state().time, body, quantity);
     return RunStatus::failed;
+  }
+
+  /// What a user must know of a run that is otherwise sound: rubber deflected further than was measured.
+  [[nodiscard]] std::string beyond_identified() const {
+    std::string beyond;
+    for (int a = 0; a < k_num_axes; ++a) {
+      const auto axis = static_cast<std::size_t>(a);
+      const auto& valid = system_.scenario.bushing.axes[axis].valid;
+      if (!valid || valid->amplitude <= 0.0 || series_.largest_deflection[axis] <= valid->amplitude) continue;
+      beyond += fmt::format("{} {} {:.2f} times", beyond.empty() ? "" : ",", k_axis_names[axis],
+                            series_.largest_deflection[axis] / valid->amplitude);
+    }
+    if (beyond.empty()) return beyond;
+    return "; bushings deflected beyond what was identified (there the law is a straight line):" + beyond;
   }
 
   RunStatus chatter(RunSummary& summary) {
@@ -261,6 +281,7 @@ class Run {
   RunSeries series_;
   std::optional<Interval> steady_;
   double largest_rate_ = 0.0;  // rad/s, of any sprocket
+  double flushed_ = 0.0;       // s, time of the last flush
   struct {
     long accepted = 0;
     double min = 1.0, mean = 0.0, max = 0.0;
@@ -295,8 +316,10 @@ RunSummary simulate(const Scenario& scenario, const std::filesystem::path& folde
   summary.assembly_wall_time = seconds_since(start);
 
   std::filesystem::create_directories(folder);
-  // Should this run be killed, its channels must not stand beside the summary of an earlier one.
-  std::filesystem::remove(folder / "run.json");
+  // Should this run be killed, its channels stand beside a summary that says so, not beside that of an earlier run.
+  summary.status = RunStatus::stopped;
+  summary.message = "still running, or killed";
+  write_run_summary(summary, folder / "run.json");
   write_inputs(scenario, folder);
   start = std::chrono::steady_clock::now();
   Run run(system, assembled, folder);

@@ -84,6 +84,22 @@ double joint_error(const System& system, const ErrorWeights& w, const TreeAccele
   return worst / system.scenario.integrator.velocity_tolerance;
 }
 
+/// First link whose acceleration is not finite, else the one that is accelerated most.
+int wildest_link(const System& system, const Acceleration& acceleration) {
+  int wildest = -1;
+  double largest = -1.0;
+  for (const CompiledTrack& track : system.tracks) {
+    for (int i = track.offset; i < track.offset + track.num_links; ++i) {
+      double sum = 0.0;
+      for (int c = 0; c < 3; ++c)
+        sum += std::abs(acceleration.linear[c][i]) + 0.1 * std::abs(acceleration.angular[c][i]);
+      if (!std::isfinite(sum)) return i;
+      if (sum > largest) largest = sum, wildest = i;
+    }
+  }
+  return wildest;
+}
+
 bool finite(const Acceleration& acceleration) {
   double sum =
       acceleration.chassis.linear.sum() + acceleration.chassis.angular.sum() + acceleration.chassis.joint.sum();
@@ -152,7 +168,10 @@ StepStatus Stepper::step(double until) {
     const bool last = left <= h_ * (1.0 + 1e-9);
     const double h = last ? left : (left < 2.0 * h_ ? 0.5 * left : h_);
     const double turn = advance(system_, h, previous_h_, now, accelerations_[f_now_], accelerations_[f_before_], next);
-    if (!(turn < 0.5)) return StepStatus::diverged;  // rad in one step; also a NaN
+    if (!(turn < 0.5)) {  // rad in one step; also a NaN
+      worst_link_ = wildest_link(system_, accelerations_[f_now_]);
+      return StepStatus::turned_too_far;
+    }
     evaluate(system_, knobs, now.history, h, next, next_work, accelerations_[f_next_]);
     ++evaluations_;
 
@@ -172,7 +191,10 @@ StepStatus Stepper::step(double until) {
         continue;
       }
     }
-    if (!finite(accelerations_[f_next_])) return StepStatus::diverged;
+    if (!finite(accelerations_[f_next_])) {
+      worst_link_ = wildest_link(system_, accelerations_[f_next_]);
+      return StepStatus::not_finite;
+    }
     last_limit_ = h < h_ ? StepLimit::end : limit_;
     last_error_ = ratio;
     const std::size_t oldest = f_before_;

@@ -19,14 +19,14 @@ enum class StepLimit { error, stability, growth, max_step, min_step, end, fixed 
 inline constexpr const char* k_step_limit_names[] = {"error",    "stability", "growth", "max_step",
                                                      "min_step", "end",       "fixed"};
 
-enum class StepStatus { ok, diverged, underflow };
+enum class StepStatus { ok, not_finite, turned_too_far, underflow };
 
 /// The state that a run moves through: two states and workspaces taken in turn, three accelerations.
 class Stepper {
  public:
   Stepper(const System& system, State start, const AssemblyKnobs& knobs);
 
-  /// One accepted step, at most to `until`. On `diverged` or `underflow` the last good state stays current.
+  /// One accepted step, at most to `until`. Otherwise the last good state stays current.
   [[nodiscard]] StepStatus step(double until);
 
   /// Evaluates the current state anew after knobs or options changed; the next step starts like the first.
@@ -39,12 +39,13 @@ class Stepper {
   [[nodiscard]] const Workspace& work() const { return works_[now_]; }
   [[nodiscard]] const Workspace& previous_work() const { return works_[1 - now_]; }
   [[nodiscard]] const Acceleration& acceleration() const { return accelerations_[f_now_]; }
+  [[nodiscard]] const Acceleration& previous_acceleration() const { return accelerations_[f_before_]; }
   [[nodiscard]] double last_step() const { return previous_h_; }
   [[nodiscard]] double last_error() const { return last_error_; }
   [[nodiscard]] StepLimit last_limit() const { return last_limit_; }
   [[nodiscard]] long rejected() const { return rejected_; }
   [[nodiscard]] long evaluations() const { return evaluations_; }
-  /// Link (array index) of the largest error of the last trial, -1 if none.
+  /// Link (array index) of the largest error of the last trial, or the one that a failed step ended on; -1 if none.
   [[nodiscard]] int worst_link() const { return worst_link_; }
 
  private:

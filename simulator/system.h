@@ -91,6 +91,7 @@ struct CompiledTrack {
   std::vector<CompiledDiscs> discs;
   CompiledSprocket sprocket;
   double pre_tension = 0.0;
+  double speed_per_sprocket_rate = 0.0;  ///< N p / 2 pi [m]
 };
 
 enum class JointSpring { none, torsion_bar, hydropneumatic, tensioner };
@@ -120,8 +121,7 @@ struct System {
   Vector3d gravity_W = Vector3d::Zero();
   Vector3d chassis_center_V = Vector3d::Zero();  ///< chassis centre of mass in the vehicle frame
   double ground_friction = 0.0;
-  double weight = 0.0;                         ///< N, whole vehicle
-  double track_speed_per_sprocket_rate = 0.0;  ///< N p / 2 pi of the left track [m]
+  double weight = 0.0;  ///< N, whole vehicle
 
   [[nodiscard]] int num_bodies() const;
   [[nodiscard]] int num_revolute_joints() const { return static_cast<int>(tree.bodies.size()); }
@@ -137,6 +137,9 @@ struct System {
 [[nodiscard]] double rate_coefficient(double restitution, double speed);
 
 [[nodiscard]] CompiledSpring compile_spring(const SpringSpline& spring);
+
+/// "link 12 of the left track" for an index into the link arrays; "the chassis" for none.
+[[nodiscard]] std::string link_name(const System& system, int index);
 
 /// Joint names in file order: `left/arm_1`, ... (the order of tree.bodies).
 [[nodiscard]] std::vector<std::string> joint_names(const System& system);

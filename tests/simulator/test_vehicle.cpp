@@ -19,7 +19,7 @@ TEST(ReferenceVehicle, CountsWhatThePaperCounts) {
   EXPECT_EQ(system.num_degrees_of_freedom(), 954);
   EXPECT_EQ(system.num_prescribed(), 2);
   EXPECT_NEAR(system.weight, 501291.0, 1.0);  // 51 100 kg
-  EXPECT_NEAR(45.0 * system.track_speed_per_sprocket_rate, 13.894, 1e-3);
+  EXPECT_NEAR(45.0 * system.tracks[0].speed_per_sprocket_rate, 13.894, 1e-3);
 }
 
 TEST(TrackPath, ClosesWithinTheIdlersReach) {
@@ -140,7 +140,7 @@ TEST(Vehicle, AStepTooLargeEndsAsDivergenceWithTheLastGoodStateKept) {
   Stepper stepper(system, reference_scene().rest.state, reference_scene().rest.knobs);
   StepStatus status = StepStatus::ok;
   for (int i = 0; i < 5000 && status == StepStatus::ok; ++i) status = stepper.step(1e9);
-  EXPECT_EQ(status, StepStatus::diverged);
+  EXPECT_TRUE(status == StepStatus::not_finite || status == StepStatus::turned_too_far);
   EXPECT_TRUE(std::isfinite(stepper.state().chassis.position.norm()));
 }
 
