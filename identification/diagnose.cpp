@@ -105,14 +105,19 @@ void find_wrong_frequency(const PreparedTest& test, std::vector<FitWarning>& war
                                   *stated, test.frequency, 100.0 * error)});
 }
 
+struct Channel {
+  const std::vector<double>& values;
+  const char *name, *unit;
+  const char* consequence;  // what the fit makes of a drift: only the force's zero is free to move
+};
+
 // Change of the cycle means over the used cycles of a block, by regression.
-void find_drift(const PreparedTest& test, const std::vector<double>& channel, const char* name,
-                std::vector<FitWarning>& warnings) {
+void find_drift(const PreparedTest& test, const Channel& channel, std::vector<FitWarning>& warnings) {
   std::map<int, std::vector<double>> means;
   for (const Cycle& cycle : test.cycles) {
     if (!cycle.used) continue;
     double sum = 0.0;
-    for (std::size_t i = cycle.span.begin; i < cycle.span.end; ++i) sum += channel[i];
+    for (std::size_t i = cycle.span.begin; i < cycle.span.end; ++i) sum += channel.values[i];
     means[cycle.block].push_back(sum / static_cast<double>(cycle.span.end - cycle.span.begin));
   }
   for (const auto& [block, values] : means) {
@@ -124,13 +129,12 @@ void find_drift(const PreparedTest& test, const std::vector<double>& channel, co
       sxy += position * values[k];
       sxx += position * position;
     }
-    const double change = sxy / sxx * n, range = central_range(channel);
+    const double change = sxy / sxx * n, range = central_range(channel.values);
     if (std::abs(change) <= k_drift * range) continue;
     warnings.push_back(
         {"drift", test.source->name,
-         fmt::format("mean {} of a cycle moves by {:.3g} ({:.1f} % of its range) over {} cycles; taken out "
-                     "of the fit as a straight line",
-                     name, change, 100.0 * change / range, values.size())});
+         fmt::format("mean {} of a cycle moves by {:.3g} {} ({:.1f} % of its range) over {} cycles; {}", channel.name,
+                     change, channel.unit, 100.0 * change / range, values.size(), channel.consequence)});
   }
 }
 
@@ -206,8 +210,12 @@ void diagnose(PreparedTest& test, std::vector<FitWarning>& warnings) {
   find_clipping(test, test.source->displacement, test.source->force, "displacement", warnings);
   find_clipping(test, test.source->force, test.source->displacement, "force", warnings);
   find_wrong_frequency(test, warnings);
-  find_drift(test, test.force, "force", warnings);
-  find_drift(test, test.displacement, "displacement", warnings);
+  const bool turns = is_rotation(test.source->axis);
+  find_drift(test, {test.force, "force", turns ? "N m" : "N", "taken out of the fit as a straight line"}, warnings);
+  find_drift(test,
+             {test.displacement, "displacement", turns ? "rad" : "m",
+              "the fit takes it for a motion of the specimen and leaves it in"},
+             warnings);
   find_unsettled(test, warnings);
   find_transitions(test, warnings);
   find_sparse_sampling(test, warnings);

@@ -67,7 +67,22 @@ TEST(Diagnosis, NamesDrift) {
   for (std::size_t i = 0; i < test.force.size(); ++i) {
     test.force[i] += 0.2 * range * static_cast<double>(i) / static_cast<double>(test.force.size());
   }
-  EXPECT_THAT(codes(Prepared(test).warnings), ::testing::ElementsAre("drift"));
+  const Prepared prepared(test);
+  ASSERT_THAT(codes(prepared.warnings), ::testing::ElementsAre("drift"));
+  EXPECT_THAT(prepared.warnings[0].text, HasSubstr("mean force"));
+  EXPECT_THAT(prepared.warnings[0].text, HasSubstr("taken out of the fit"));
+}
+
+TEST(Diagnosis, SaysThatADriftOfTheDisplacementStaysInTheFit) {
+  RigTest test = loop();
+  for (std::size_t i = 0; i < test.displacement.size(); ++i) {
+    test.displacement[i] += 0.2 * 0.4e-3 * static_cast<double>(i) / static_cast<double>(test.displacement.size());
+  }
+  const Prepared prepared(test);
+  ASSERT_THAT(codes(prepared.warnings), ::testing::Contains("drift"));
+  const auto drift = std::ranges::find(prepared.warnings, "drift", &FitWarning::code);
+  EXPECT_THAT(drift->text, HasSubstr("mean displacement"));
+  EXPECT_THAT(drift->text, HasSubstr("leaves it in"));
 }
 
 TEST(Diagnosis, NamesAClippedSensor) {
