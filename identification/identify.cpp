@@ -7,6 +7,7 @@
 #include <cmath>
 #include <exception>
 #include <optional>
+#include <string_view>
 #include <thread>
 
 #include "identification/axis_fit.h"
@@ -118,11 +119,16 @@ void require_usable_data(const RigRecord& rig, const std::vector<PreparedTest>& 
 }
 
 void warn_of_missing_axes(const AxisResults& results, std::vector<FitWarning>& warnings) {
+  std::vector<std::string_view> missing;
   for (std::size_t a = 0; a < results.size(); ++a) {
-    if (!results[a])
-      warnings.push_back(
-          {"axis_without_test", "", fmt::format("axis {} has no usable test and gets no law", k_axis_names[a])});
+    if (!results[a]) missing.emplace_back(k_axis_names[a]);
   }
+  if (missing.empty()) return;
+  const bool one = missing.size() == 1;
+  warnings.push_back({"axis_without_test", "",
+                      fmt::format("{} {} {} no usable test and {} no law; a bushing without {} cannot be simulated",
+                                  one ? "axis" : "axes", fmt::join(missing, ", "), one ? "has" : "have",
+                                  one ? "gets" : "get", one ? "it" : "them")});
 }
 
 double worst_calibration(const RigRecord& rig) {
