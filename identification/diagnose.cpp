@@ -9,14 +9,15 @@
 namespace grouser {
 namespace {
 
-constexpr std::size_t k_clipped_run = 4;    // equal samples at the extreme; noise and a sine's crest give 2 or 3
-constexpr double k_frequency_error = 0.01;  // stated against measured (I 4)
-constexpr double k_drift = 0.03;            // of the range, over the used cycles
-constexpr double k_settling = 0.015;        // energy change of the last used cycle
-constexpr double k_no_slope = 0.05;         // correlation of a pure damper; its sign is no evidence
-constexpr double k_least_loss = 0.01;       // loss factor below which the loop's sense of turning is no evidence
-constexpr double k_tilt = 0.1;              // half difference of the LVDTs over the displacement
-constexpr int k_least_samples = 50;         // per cycle; 39 lose .6-1 % of the area to the chord (I 4)
+constexpr std::size_t k_clipped_run = 4;     // equal samples at the extreme; noise and a sine's crest give 2 or 3
+constexpr double k_frequency_error = 0.01;   // stated against measured (I 4)
+constexpr double k_drift = 0.03;             // of the range, over the used cycles
+constexpr double k_settling = 0.015;         // energy change of the last used cycle
+constexpr double k_no_slope = 0.05;          // correlation of a pure damper; its sign is no evidence
+constexpr double k_least_loss = 0.01;        // loss factor below which the loop's sense of turning is no evidence
+constexpr double k_tilt = 0.1;               // half difference of the LVDTs over the displacement
+constexpr std::size_t k_fewest_samples = 8;  // of a test; fewer are never cut into cycles
+constexpr int k_least_samples = 50;          // per cycle; 39 lose .6-1 % of the area to the chord (I 4)
 
 struct Plateau {
   std::size_t at = 0, length = 0;
@@ -197,6 +198,9 @@ void diagnose(PreparedTest& test, std::vector<FitWarning>& warnings) {
   if (test.cycles.empty()) test.unusable = "no closed cycle";
   if (!(central_range(test.source->displacement) > 0.0)) test.unusable = "a displacement that stands still";
   if (!(central_range(test.force) > 0.0)) test.unusable = "a force that stands still";
+  if (test.force.size() < k_fewest_samples) {
+    test.unusable = fmt::format("{} samples, too few for a cycle", test.force.size());
+  }
   if (!test.unusable.empty()) {
     warnings.push_back({"unusable_test", name, test.unusable + "; the test is left out of the fit"});
     for (Cycle& cycle : test.cycles) cycle.used = false;

@@ -111,6 +111,14 @@ TEST(Diagnosis, NamesARecordWithTooFewSamples) {
   EXPECT_THAT(codes(Prepared(sparse).warnings), ::testing::Contains("few_samples"));
 }
 
+TEST(Diagnosis, SaysThatTwoRowsAreTooFewRatherThanStandingStill) {
+  RigTest test = loop();
+  for (auto* channel : {&test.time, &test.displacement, &test.force}) *channel = {channel->at(0), channel->at(20)};
+  const Prepared prepared(test);
+  ASSERT_THAT(codes(prepared.warnings), ::testing::ElementsAre("unusable_test"));
+  EXPECT_EQ(prepared.test.unusable, "2 samples, too few for a cycle");
+}
+
 TEST(Diagnosis, NamesCyclesThatStillSettle) {
   Bench bench;
   RigErrors errors = bench.axis(Axis::x).errors;
