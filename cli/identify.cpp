@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 struct Options {
   std::string rig_file;
-  std::string folder = "identification";
+  std::string folder = "out/identification";
   int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 };
 

@@ -82,7 +82,7 @@ TEST(Usage, ErrorIsOneJsonObjectWhenAskedFor) {
 
 TEST(Help, StandsOnStdoutAndNamesTheDefaultFolder) {
   for (const auto& [subcommand, told] :
-       std::vector<std::pair<std::string, std::string>>{{"identify", "identification"},
+       std::vector<std::pair<std::string, std::string>>{{"identify", "out/identification"},
                                                         {"simulate", "NAME of NAME.json"},
                                                         {"render", "RUN_DIR"},
                                                         {"plot", "RUN_DIR/NAME.png"},
