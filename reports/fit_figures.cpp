@@ -121,10 +121,12 @@ std::string axis_title(Axis axis) {
 std::optional<Figure> figure_loops(const FitRecord& fit, Axis axis) {
   const AxisUnits units = units_of(axis);
   Figure figure;
+  bool unnamed_fit = true;
   for (const TestFit& test : fit.tests) {
     if (test.axis != axis || test.curve.displacement.empty()) continue;
     Panel panel;
-    panel.title = test.name;
+    const bool used = test.cycles_used > 0;
+    panel.title = used ? test.name : test.name + " (left out of the fit)";
     panel.x_label = "Displacement [" + units.displacement + "]";
     panel.y_label = (is_rotation(axis) ? "Torque [" : "Force [") + units.force + "]";
     const bool first = figure.panels.empty();  // one legend serves all
@@ -141,11 +143,13 @@ std::optional<Figure> figure_loops(const FitRecord& fit, Axis axis) {
       measured.y.push_back(units.force_scale * test.curve.force[i]);
     }
     panel.series.push_back(std::move(measured));
-    panel.series.push_back({.name = first ? "fit" : "",
-                            .x = times(test.curve.displacement, units.displacement_scale),
-                            .y = times(test.curve.fitted, units.force_scale),
-                            .width = 1.3f,
-                            .color = Rgb{0.87f, 0.36f, 0.08f}});
+    if (used)
+      panel.series.push_back({.name = unnamed_fit ? "fit" : "",
+                              .x = times(test.curve.displacement, units.displacement_scale),
+                              .y = times(test.curve.fitted, units.force_scale),
+                              .width = 1.3f,
+                              .color = Rgb{0.87f, 0.36f, 0.08f}});
+    unnamed_fit = unnamed_fit && !used;
     figure.panels.push_back(std::move(panel));
   }
   if (figure.panels.empty()) return std::nullopt;
@@ -153,8 +157,7 @@ std::optional<Figure> figure_loops(const FitRecord& fit, Axis axis) {
   figure.title = "Fit over measurement";
   figure.caption =
       "Every test of the axis: measured loop (points) with the response of the fitted law over it (line), cycles used "
-      "in the "
-      "fit.";
+      "in the fit.";
   figure.columns = std::min<int>(3, static_cast<int>(figure.panels.size()));
   const int rows = (static_cast<int>(figure.panels.size()) + figure.columns - 1) / figure.columns;
   figure.width = figure.columns == 1 ? 640 : 1000;
@@ -188,7 +191,8 @@ std::optional<Figure> figure_backbone(const AxisFit& axis) {
 std::optional<Figure> figure_dynamic_stiffness(const FitRecord& fit, Axis axis) {
   std::vector<const TestFit*> tests;
   for (const TestFit& test : fit.tests)
-    if (test.axis == axis && test.kind == TestKind::cyclic && test.frequency > 0.0 && test.amplitude > 0.0)
+    if (test.axis == axis && test.kind == TestKind::cyclic && test.cycles_used > 0 && test.frequency > 0.0 &&
+        test.amplitude > 0.0)
       tests.push_back(&test);
   if (tests.size() < 2) return std::nullopt;
   const AxisUnits units = units_of(axis);

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -20,6 +21,27 @@ constexpr double k_max_nrmse = 0.06, k_max_stiffness_error = 0.10, k_max_energy_
 
 std::string stiffness_unit(Axis axis) { return is_rotation(axis) ? "N m/rad" : "N/m"; }
 
+/// A test of which no cycle entered the fit: it says nothing of how well the law holds.
+bool left_out(const TestFit& test) { return test.cycles_used == 0; }
+
+long count_used(const FitRecord& fit) {
+  return static_cast<long>(std::ranges::count_if(fit.tests, [](const TestFit& test) { return !left_out(test); }));
+}
+
+/// "left out: reversed polarity", by the notes on its cycles, else by the warnings about the test.
+std::string left_out_text(const FitRecord& fit, const TestFit& test) {
+  std::vector<std::string> reasons;
+  const auto add = [&reasons](std::string reason) {
+    std::ranges::replace(reason, '_', ' ');
+    if (!reason.empty() && std::ranges::find(reasons, reason) == reasons.end()) reasons.push_back(std::move(reason));
+  };
+  for (const CycleFit& cycle : test.per_cycle) add(cycle.note);
+  if (reasons.empty())
+    for (const FitWarning& warning : fit.warnings)
+      if (warning.test == test.name) add(warning.code);
+  return reasons.empty() ? "left out" : fmt::format("left out: {}", fmt::join(reasons, ", "));
+}
+
 double relative_error(double fitted, double measured) { return measured != 0.0 ? fitted / measured - 1.0 : 0.0; }
 
 json check(const std::string& name, double value, double limit) {
@@ -34,6 +56,7 @@ json check(const std::string& name, double value, double limit) {
 json check_facts(const FitRecord& fit) {
   double nrmse = 0.0, stiffness = 0.0, energy = 0.0;
   for (const TestFit& test : fit.tests) {
+    if (left_out(test)) continue;
     nrmse = std::max(nrmse, test.nrmse);
     if (test.kind != TestKind::cyclic) continue;
     stiffness = std::max(stiffness,
@@ -50,10 +73,11 @@ json check_facts(const FitRecord& fit) {
                     {"limit", "all " + count_text(total)},
                     {"pass", converged == total}});
   checks.push_back(check("Largest residual of a test (nrmse)", nrmse, k_max_nrmse));
-  checks.push_back(check("Largest error of an effective stiffness", stiffness, k_max_stiffness_error));
-  checks.push_back(check("Largest error of a dissipated energy", energy, k_max_energy_error));
-  checks.push_back(check("Largest residual of a sensor calibration, of full scale", fit.calibration_residual,
-                         k_max_calibration_residual));
+  checks.push_back(check("Largest error of a loop's effective stiffness", stiffness, k_max_stiffness_error));
+  checks.push_back(check("Largest error of a loop's dissipated energy", energy, k_max_energy_error));
+  if (fit.calibration_residual > 0.0)  // 0: the campaign has no calibration record
+    checks.push_back(check("Largest residual of a sensor calibration, of full scale", fit.calibration_residual,
+                           k_max_calibration_residual));
   return checks;
 }
 
@@ -62,6 +86,19 @@ json error_facts(double fitted, double measured) {
   const std::string digits = fmt::format("{:.1f} %", 100.0 * std::abs(error));
   const char* sign = digits == "0.0 %" ? "" : error > 0.0 ? "+" : "\u2212";
   return {{"value", error}, {"text", fmt::format("{}{}", sign, digits)}};
+}
+
+/// The row of a test that did not enter the fit: what was recorded, why it stands apart, dashes for the rest.
+json left_out_facts(const FitRecord& fit, const TestFit& test) {
+  json facts{{"name", test.name},
+             {"kind", test.kind == TestKind::cyclic ? "cyclic" : "static"},
+             {"cycles", left_out_text(fit, test)},
+             {"left_out", true},
+             {"samples", {{"value", test.samples}, {"text", count_text(test.samples)}}}};
+  for (const char* key : {"frequency", "amplitude", "nrmse", "stiffness", "stiffness_fit", "stiffness_error", "energy",
+                          "energy_fit", "energy_error", "loss_factor", "loss_factor_fit"})
+    facts[key] = {{"value", nullptr}, {"text", "–"}};
+  return facts;
 }
 
 json test_facts(const TestFit& test) {
@@ -75,6 +112,7 @@ json test_facts(const TestFit& test) {
       {"name", test.name},
       {"kind", cyclic ? "cyclic" : "static"},
       {"cycles", fmt::format("{} of {}", test.cycles_used, test.cycles)},
+      {"left_out", false},
       {"samples", {{"value", test.samples}, {"text", count_text(test.samples)}}},
       {"frequency",
        {{"value", test.frequency}, {"text", cyclic && test.frequency > 0.0 ? number_text(test.frequency, 3) : "–"}}},
@@ -154,7 +192,7 @@ json axis_facts(const FitFolder& folder, const AxisFit& axis, const std::string&
        {figure_loops(fit, axis.axis), figure_backbone(axis), figure_dynamic_stiffness(fit, axis.axis)})
     if (figure) facts["figures"].push_back(figure_block(*figure, id + "-figure-" + figure->name));
   for (const TestFit& test : fit.tests)
-    if (test.axis == axis.axis) facts["tests"].push_back(test_facts(test));
+    if (test.axis == axis.axis) facts["tests"].push_back(left_out(test) ? left_out_facts(fit, test) : test_facts(test));
   for (const FitParameter& parameter : axis.parameters) facts["parameters"].push_back(parameter_facts(parameter));
   facts["has_tests"] = !facts["tests"].empty();
   facts["has_parameters"] = !axis.parameters.empty();
@@ -173,13 +211,19 @@ json fit_headline(const FitRecord& fit) {
   double worst = 0.0;
   for (const TestFit& test : fit.tests) {
     samples += test.samples;
-    worst = std::max(worst, test.nrmse);
+    if (!left_out(test)) worst = std::max(worst, test.nrmse);
   }
   const auto count = [](const std::string& label, long value) {
     return json{{"label", label}, {"value", value}, {"text", count_text(value)}};
   };
-  json tiles = json::array({count("axes identified", static_cast<long>(fit.axes.size())),
-                            count("tests", static_cast<long>(fit.tests.size())), count("samples", samples)});
+  const long used = count_used(fit), total = static_cast<long>(fit.tests.size());
+  json tests = count("tests", used);
+  if (used < total) {
+    tests["label"] = "tests used";
+    tests["text"] = fmt::format("{} of {}", count_text(used), count_text(total));
+  }
+  json tiles =
+      json::array({count("axes identified", static_cast<long>(fit.axes.size())), tests, count("samples", samples)});
   tiles.push_back(
       {{"label", "largest residual of a test (nrmse)"}, {"value", worst}, {"text", percent_text(worst, 2)}});
   for (const AxisFit& axis : fit.axes)
@@ -196,9 +240,12 @@ json fit_verdict(const FitRecord& fit) {
   const auto failed = std::ranges::count_if(checks, [](const json& c) { return !c["pass"].get<bool>(); });
   std::string text = failed == 0 ? fmt::format("All {} checks of the fit pass", checks.size())
                                  : fmt::format("{} of {} checks of the fit fail", failed, checks.size());
+  const long used = count_used(fit), total = static_cast<long>(fit.tests.size());
+  const bool partial = used < total;
+  if (partial) text += fmt::format("; {} of {} tests used", used, total);
   const std::size_t warnings = fit.warnings.size();
   if (warnings > 0) text += fmt::format("; {} {} about the data", warnings, warnings == 1 ? "warning" : "warnings");
-  return {{"pass", failed == 0}, {"text", text}};
+  return {{"pass", failed == 0 && !partial}, {"partial", failed == 0 && partial}, {"text", text}};
 }
 
 json fit_facts(const FitFolder& folder, const std::string& id, int level) {
@@ -206,7 +253,7 @@ json fit_facts(const FitFolder& folder, const std::string& id, int level) {
   json facts{{"id", id}, {"kind", "fit"}, {"level", level}, {"sublevel", level + 1}, {"figure_level", level + 2}};
   facts["title"] = fit.specimen;
   facts["subtitle"] = fmt::format("Stiffness and damping along {} {} from {} tests", fit.axes.size(),
-                                  fit.axes.size() == 1 ? "axis" : "axes", fit.tests.size());
+                                  fit.axes.size() == 1 ? "axis" : "axes", count_used(fit));
   facts["checks"] = check_facts(fit);
   facts["has_checks"] = true;
   facts["verdict"] = fit_verdict(fit);

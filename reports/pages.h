@@ -27,11 +27,12 @@ struct FitFolder {
 /// heading.
 [[nodiscard]] nlohmann::json run_facts(const RunFolder& run, const std::string& id, int level);
 [[nodiscard]] nlohmann::json fit_facts(const FitFolder& folder, const std::string& id, int level);
-/// {pass, text}: whether the fit reached what it must, in one sentence.
+/// {pass, partial, text}: whether the fit reached what it must, in one sentence; `partial`: it did, but not with all
+/// tests.
 [[nodiscard]] nlohmann::json fit_verdict(const FitRecord& fit);
 /// The few numbers of a fit that a reader looks for first.
 [[nodiscard]] nlohmann::json fit_headline(const FitRecord& fit);
-/// {pass, text} of a run.
+/// {pass, partial, text} of a run; `partial` is always false.
 [[nodiscard]] nlohmann::json run_verdict(const RunSummary& summary);
 /// The few numbers of a run that a reader looks for first.
 [[nodiscard]] nlohmann::json run_headline(const RunSummary& summary);

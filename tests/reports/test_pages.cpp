@@ -5,6 +5,7 @@
 #include <regex>
 
 #include "model/errors.h"
+#include "model/fit.h"
 #include "model/provenance.h"
 #include "reports/assets.h"
 #include "reports/report.h"
@@ -87,6 +88,33 @@ TEST_F(Pages, VerdictAndChecksComeFirstAndTellTheFailure) {
   const std::string text = visible_text(report({"run_b"}));
   EXPECT_THAT(text, HasSubstr("1 of 2 checks fail"));
   EXPECT_LT(text.find("1 of 2 checks fail"), text.find("Bushing between links"));
+}
+
+TEST_F(Pages, ATestThatWasLeftOutIsNoPerfectFit) {
+  const std::filesystem::path file = folder_ / "identification" / "fit.json";
+  FitRecord fit = read_fit(file);
+  fit.tests.front().cycles_used = 0;
+  fit.tests.front().nrmse = 0.0;
+  fit.tests.front().per_cycle.resize(1);
+  fit.tests.front().per_cycle.front().note = "force and displacement are swapped";
+  write_fit(fit, file);
+  const std::string text = visible_text(report({"identification"}));
+  EXPECT_THAT(text, HasSubstr("left out: force and displacement are swapped"));
+  EXPECT_THAT(text, HasSubstr("7 of 8 tests used"));
+  const nlohmann::json facts = twin()["fits"][0];
+  EXPECT_EQ(facts["verdict"]["pass"], false);
+  EXPECT_EQ(facts["verdict"]["partial"], true);
+  EXPECT_EQ(facts["axes"][0]["tests"][0]["nrmse"]["text"], "–");
+  EXPECT_TRUE(facts["axes"][0]["tests"][0]["nrmse"]["value"].is_null());
+}
+
+TEST_F(Pages, ACalibrationIsJudgedOnlyWhereItIsRecorded) {
+  EXPECT_THAT(visible_text(report({"identification"})), HasSubstr("sensor calibration"));
+  const std::filesystem::path file = folder_ / "identification" / "fit.json";
+  FitRecord fit = read_fit(file);
+  fit.calibration_residual = 0.0;
+  write_fit(fit, file);
+  EXPECT_THAT(visible_text(report({"identification"})), Not(HasSubstr("sensor calibration")));
 }
 
 TEST_F(Pages, SyntheticDataIsSaidAtTheTop) {
