@@ -17,6 +17,7 @@ constexpr double k_no_slope = 0.05;          // correlation of a pure damper; it
 constexpr double k_least_loss = 0.01;        // loss factor below which the loop's sense of turning is no evidence
 constexpr double k_tilt = 0.1;               // half difference of the LVDTs over the displacement
 constexpr std::size_t k_fewest_samples = 8;  // of a test; fewer are never cut into cycles
+constexpr double k_gap = 5.0;                // of the usual time step
 constexpr int k_least_samples = 50;          // per cycle; 39 lose .6-1 % of the area to the chord (I 4)
 
 struct Plateau {
@@ -192,6 +193,27 @@ void find_tilt(const PreparedTest& test, std::vector<FitWarning>& warnings) {
 }
 
 }  // namespace
+
+bool find_time_gap(PreparedTest& test, std::vector<FitWarning>& warnings) {
+  if (!test.source->time_measured || test.time.size() < k_fewest_samples) return false;
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < test.time.size(); ++i) steps.push_back(test.time[i] - test.time[i - 1]);
+  std::vector<double> sorted = steps;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  const auto is_gap = [limit = k_gap * *middle](double step) { return step > limit; };
+  const auto gaps = std::count_if(steps.begin(), steps.end(), is_gap);
+  if (gaps == 0) return false;
+  const auto at = static_cast<std::size_t>(std::find_if(steps.begin(), steps.end(), is_gap) - steps.begin());
+  test.unusable = fmt::format("a time gap of {:.4g} s after sample {} (at {:.6g} s; the usual step is {:.4g} s)",
+                              steps[at], at + 1, test.time[at], *middle);
+  if (gaps > 1) test.unusable += fmt::format(", the first of {}", gaps);
+  warnings.push_back(
+      {"time_gap", test.source->name,
+       test.unusable + ": no rate can be told across it; the test is left out of the fit, cut the record there"});
+  for (Cycle& cycle : test.cycles) cycle.note = "time gap in the record";
+  return true;
+}
 
 void diagnose(PreparedTest& test, std::vector<FitWarning>& warnings) {
   const std::string& name = test.source->name;

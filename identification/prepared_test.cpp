@@ -254,8 +254,10 @@ PreparedTest prepare_test(const RigTest& test, const RigRecord& rig, std::vector
     }
   }
   build_time(test, prepared);
-  find_frequency(prepared);
+  const bool gap = find_time_gap(prepared, warnings);
+  if (!gap) find_frequency(prepared);
   for (Cycle& cycle : prepared.cycles) measure_cycle(cycle, prepared);
+  if (gap) return prepared;
   choose_cycles(prepared);
   diagnose(prepared, warnings);
   return prepared;

@@ -61,6 +61,30 @@ TEST(Diagnosis, NamesAStatedFrequencyThatIsNotTheMeasuredOne) {
   EXPECT_THAT(codes(Prepared(test).warnings), ::testing::IsEmpty());  // half a per cent is an ordinary rig
 }
 
+TEST(Diagnosis, LeavesOutARecordWithAHoleInItsTime) {
+  RigTest sound = sine_test(1e-3, 1.0, 12, 200, [](double x, double rate) { return 1e7 * x + 1e5 * rate; });
+  RigTest broken = sound;
+  for (std::size_t i = 1201; i < broken.time.size(); ++i) broken.time[i] += 12.5;
+  const Prepared prepared(broken);
+  ASSERT_THAT(codes(prepared.warnings), ::testing::ElementsAre("time_gap"));
+  EXPECT_THAT(prepared.warnings[0].text, HasSubstr("12.5 s after sample 1201 (at 6 s; the usual step is 0.005 s)"));
+  EXPECT_EQ(prepared.test.frequency, 0.0);  // a frequency across the hole would be half the true one
+  EXPECT_EQ(prepared.test.cycles_used(), 0);
+  broken.name = "broken";
+  const IdentifyResult result = identify(record_of({sound, broken}));
+  EXPECT_GT(result.fit.tests[0].cycles_used, 0);
+  EXPECT_LT(result.fit.tests[0].nrmse, 0.01);
+  EXPECT_THROW((void)identify(record_of({broken})), InputError);
+}
+
+TEST(Diagnosis, TakesAFewLostSamplesForNoHole) {
+  RigTest test = loop();
+  for (auto* channel : {&test.time, &test.displacement, &test.force}) {
+    channel->erase(channel->begin() + 400, channel->begin() + 403);
+  }
+  EXPECT_THAT(codes(Prepared(test).warnings), ::testing::Not(::testing::Contains("time_gap")));
+}
+
 TEST(Diagnosis, NamesDrift) {
   RigTest test = loop();
   const double range = 40e3;
