@@ -10,11 +10,16 @@
 namespace grouser {
 
 /// Elastic deflection of a stop (Jenkins element) after the displacement grew by dx: exact for any monotone step,
-/// passive. z, yield [m]; the element's force is stiffness * z.
-template <typename T>
-[[nodiscard]] inline T advance_stop(const T& z, const T& dx, const T& yield) {
+/// passive. z, yield [m]; the element's force is stiffness * z. T is double, ceres::Jet or an Eigen array of several
+/// bushings.
+template <typename T, typename Yield>
+[[nodiscard]] inline T advance_stop(const T& z, const T& dx, const Yield& yield) {
   const T trial = z + dx;
-  return trial > yield ? yield : (trial < -yield ? -yield : trial);
+  if constexpr (requires { trial.min(yield); }) {
+    return trial.min(yield).max(-yield);
+  } else {
+    return trial > yield ? T(yield) : (trial < -yield ? T(-yield) : trial);
+  }
 }
 
 /// Constants of a Maxwell branch for one step of length h: force' = decay * force + gain * dx, exact for a constant
@@ -30,14 +35,13 @@ struct MaxwellStep {
 }
 
 /// Energy that a Maxwell branch turns into heat over one step of constant rate [J], >= 0 up to round-off.
-/// Work done on the branch less the growth of its stored energy force^2 / (2 stiffness).
-[[nodiscard]] inline double maxwell_dissipation(const MaxwellBranch& branch, double force, double next_force, double dx,
-                                                double h) {
-  const double ratio = h / branch.relaxation_time;
-  const double gain_free = ratio > 0.0 ? -std::expm1(-ratio) / ratio : 1.0;
-  const double steady = branch.stiffness * dx / ratio;  // force the branch would settle at: k tau dx / h
-  const double work = dx * (steady + (force - steady) * gain_free);
-  return work - 0.5 * (next_force * next_force - force * force) / branch.stiffness;
+/// Work done on the branch less the growth of its stored energy force^2 / (2 stiffness). h > 0; `step` belongs to h.
+template <typename T>
+[[nodiscard]] inline T maxwell_dissipation(const MaxwellBranch& branch, const MaxwellStep& step, const T& force,
+                                           const T& next_force, const T& dx, double h) {
+  const T steady = dx * (branch.stiffness * branch.relaxation_time / h);  // force the branch would settle at
+  const T work = dx * (steady + (force - steady) * (step.gain / branch.stiffness));
+  return work - (next_force * next_force - force * force) / (2.0 * branch.stiffness);
 }
 
 }  // namespace grouser

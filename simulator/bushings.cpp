@@ -148,7 +148,7 @@ Lanes axis_force(const AxisStep& step, const History& before, History& after, in
       const int row = axis.first_stop + static_cast<int>(s);
       const double k = axis.stops[s].stiffness, yield = axis.stops[s].yield;
       const Lanes old = load(before.stop[row] + i);
-      const Lanes moved = (old + dx).min(yield).max(-yield);
+      const Lanes moved = advance_stop(old, dx, yield);
       store(after.stop[row] + i, moved);
       force += k * moved;
       stiffness += k;
@@ -166,10 +166,7 @@ Lanes axis_force(const AxisStep& step, const History& before, History& after, in
       stiffness += constants.gain;
       energy.stored += moved.square() / (2.0 * k);
       if (step.h > 0.0) {
-        const double ratio = step.h / axis.branches[m].relaxation_time;
-        const Lanes steady = dx * (k / ratio);
-        energy.step_loss +=
-            dx * (steady + (old - steady) * (constants.gain / k)) - (moved.square() - old.square()) / (2.0 * k);
+        energy.step_loss += maxwell_dissipation(axis.branches[m], constants, old, moved, dx, step.h);
       }
     }
   } else {
