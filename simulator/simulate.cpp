@@ -103,7 +103,7 @@ class Run {
       }
     }
     if (book_.residual_fraction() >= k_largest_residual) return chatter(summary);
-    summary.message = fmt::format("{:.3f} s simulated", stepper_.state().time) + beyond_identified();
+    summary.message = fmt::format("{:.3f} s simulated", stepper_.state().time) + beyond_identified() + not_modelled();
     return RunStatus::completed;
   }
 
@@ -252,6 +252,15 @@ class Run {
     }
     if (beyond.empty()) return beyond;
     return "; bushings deflected beyond what was identified (there the law is a straight line):" + beyond;
+  }
+
+  /// Inputs that are read but not yet in the equations.
+  [[nodiscard]] std::string not_modelled() const {
+    for (const CompiledTrack& track : system_.tracks) {
+      if (track.bushings_in_series > 1)
+        return "; double pin taken as two bushings in series, connector_length not used";
+    }
+    return "";
   }
 
   RunStatus chatter(RunSummary& summary) {
