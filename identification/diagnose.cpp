@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 namespace grouser {
 namespace {
@@ -17,8 +18,10 @@ constexpr double k_no_slope = 0.05;          // correlation of a pure damper; it
 constexpr double k_least_loss = 0.01;        // loss factor below which the loop's sense of turning is no evidence
 constexpr double k_tilt = 0.1;               // half difference of the LVDTs over the displacement
 constexpr std::size_t k_fewest_samples = 8;  // of a test; fewer are never cut into cycles
-constexpr double k_gap = 5.0;                // of the usual time step
-constexpr int k_least_samples = 50;          // per cycle; 39 lose .6-1 % of the area to the chord (I 4)
+constexpr double k_purer = 1.5;              // ratio of two sine residuals that is evidence
+constexpr double k_pi = std::numbers::pi;
+constexpr double k_gap = 5.0;        // of the usual time step
+constexpr int k_least_samples = 50;  // per cycle; 39 lose .6-1 % of the area to the chord (I 4)
 
 struct Plateau {
   std::size_t at = 0, length = 0;
@@ -54,13 +57,29 @@ void find_clipping(const PreparedTest& test, const std::vector<double>& channel,
   }
 }
 
+// How far the force comes after the displacement, and which channel looks like the one the actuator was told to move.
+std::string evidence_of_wrong_turn(const PreparedTest& test, double loss_factor) {
+  const double delay = std::asin(std::clamp(-loss_factor, 0.0, 1.0));
+  std::string text = fmt::format(", force {:.3g} degrees behind displacement", delay * 180.0 / k_pi);
+  if (test.frequency > 0.0) text += fmt::format(" ({:.3g} ms)", 1e3 * delay / (2.0 * k_pi * test.frequency));
+  const double x = test.sine_residual_displacement, f = test.sine_residual_force;
+  if (x > k_purer * f) {
+    text += fmt::format(", the force column is the purer sine (residual {:.2g} against {:.2g}), as if swapped", f, x);
+  } else if (f > k_purer * x) {
+    text += fmt::format(
+        ", the displacement column is the purer sine (residual {:.2g} against {:.2g}), not as if swapped", x, f);
+  }
+  return text;
+}
+
 // Loop area and regression slope tell the channels apart by two signs (I 4); elastic enough to turn needs a loss
 // factor.
 void find_mixed_channels(PreparedTest& test, std::vector<FitWarning>& warnings) {
-  double energy = 0.0, sxf = 0.0, sxx = 0.0, sff = 0.0, loss = 0.0;
+  double energy = 0.0, sxf = 0.0, sxx = 0.0, sff = 0.0, loss = 0.0, signed_loss = 0.0;
   for (const Cycle& cycle : test.cycles) {
     energy += cycle.measured.dissipated_energy;
     loss += std::abs(cycle.measured.loss_factor);
+    signed_loss += cycle.measured.loss_factor;
     double mean_f = 0.0;
     const auto n = static_cast<double>(cycle.span.end - cycle.span.begin);
     for (std::size_t i = cycle.span.begin; i < cycle.span.end; ++i) mean_f += test.force[i] / n;
@@ -75,19 +94,18 @@ void find_mixed_channels(PreparedTest& test, std::vector<FitWarning>& warnings) 
   if (!open && loss < k_least_loss * static_cast<double>(test.cycles.size())) return;
   const bool turns_right = open ? sxf > 0.0 : energy > 0.0, rises = sxf > -k_no_slope * std::sqrt(sxx * sff);
   if (turns_right && rises) return;
-  const std::string evidence =
-      fmt::format("loop area {:.4g} J, slope {:.4g} N/m", energy / static_cast<double>(test.cycles.size()), sxf / sxx);
+  const auto cycles = static_cast<double>(test.cycles.size());
+  std::string evidence = fmt::format("loop area {:.4g} J, slope {:.4g} N/m", energy / cycles, sxf / sxx);
   std::string code = "reversed_polarity", reading = "one channel has its sign reversed";
+  // A loop that turns the wrong way round its own slope looks the same for three faults; the user knows which.
+  const std::string wrong_turn = "force and displacement are swapped, or time runs backwards, or one channel lags";
   if (!turns_right && rises) {
     code = "swapped_columns";
-    reading = "force and displacement are swapped";
-    if (test.sine_residual_displacement > test.sine_residual_force) {
-      reading += fmt::format(" (the force column is the purer sine: residual {:.2g} against {:.2g})",
-                             test.sine_residual_force, test.sine_residual_displacement);
-    }
+    reading = wrong_turn;
+    evidence += evidence_of_wrong_turn(test, signed_loss / cycles);
   } else if (turns_right) {
     code = "swapped_columns";
-    reading = "force and displacement are swapped and one has its sign reversed";
+    reading += ", and besides " + wrong_turn;
   }
   test.unusable = reading;
   warnings.push_back({code, test.source->name, evidence + ": " + reading + "; the test is left out of the fit"});
@@ -178,7 +196,7 @@ void find_sparse_sampling(const PreparedTest& test, std::vector<FitWarning>& war
   if (per_cycle >= k_least_samples) return;
   warnings.push_back({"few_samples", test.source->name,
                       fmt::format("{:.0f} samples a cycle: loop areas are short by about {:.1f} %", per_cycle,
-                                  100.0 * std::pow(6.2831853 / per_cycle, 2) / 6.0)});
+                                  100.0 * std::pow(2.0 * k_pi / per_cycle, 2) / 6.0)});
 }
 
 void find_tilt(const PreparedTest& test, std::vector<FitWarning>& warnings) {

@@ -43,6 +43,22 @@ TEST(Diagnosis, NamesSwappedColumnsAndLeavesTheTestOut) {
   EXPECT_THROW((void)identify(record_of({test})), InputError);
 }
 
+TEST(Diagnosis, SaysThatReversedTimeOrALagLooksLikeSwappedColumns) {
+  RigTest backwards = loop(), lagging = loop();
+  std::ranges::reverse(backwards.displacement);
+  std::ranges::reverse(backwards.force);
+  std::ranges::rotate(lagging.force, lagging.force.end() - 40);  // 40 samples late: more than the rubber's own lead
+  for (const RigTest& test : {backwards, lagging}) {
+    const Prepared prepared(test);
+    const auto warning = std::ranges::find(prepared.warnings, "swapped_columns", &FitWarning::code);
+    ASSERT_NE(warning, prepared.warnings.end());
+    EXPECT_THAT(warning->text, HasSubstr("swapped, or time runs backwards, or one channel lags"));
+    EXPECT_THAT(warning->text, HasSubstr("degrees behind displacement"));
+    EXPECT_THAT(warning->text, HasSubstr("the displacement column is the purer sine"));
+    EXPECT_EQ(prepared.test.cycles_used(), 0);
+  }
+}
+
 TEST(Diagnosis, NamesReversedPolarityOfEitherChannel) {
   RigTest force = loop(), displacement = loop();
   for (double& value : force.force) value = -value;
