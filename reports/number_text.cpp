@@ -54,6 +54,9 @@ constexpr std::array<Ladder, 9> k_ladders{{
     {"N m/rad", {{{1e-6, "MN m/rad"}, {1e-3, "kN m/rad"}, {1.0, "N m/rad"}, {1.0, "N m/rad"}}}},
 }};
 
+/// Of a quantity with a unit, in that unit: what is smaller is round-off of a computation, not a measure.
+constexpr double k_round_off = 1e-9;
+
 }  // namespace
 
 std::string number_text(double value, int digits) {
@@ -86,7 +89,8 @@ std::string quantity_text(double value, const std::string& unit, int digits) {
   if (unit.empty() || unit == "1" || unit == "-") return number_text(value, digits);
   if (unit == "%") return number_text(value, digits) + " %";
   for (const Ladder& ladder : k_ladders) {
-    if (ladder.unit != unit || value == 0.0 || !std::isfinite(value)) continue;
+    if (ladder.unit != unit || !std::isfinite(value)) continue;
+    if (std::abs(value) < k_round_off) return "0 " + unit;
     for (const Scaled& step : ladder.steps)
       if (std::abs(value) * step.factor >= 0.9995 || &step == &ladder.steps.back())
         return number_text(value * step.factor, digits) + " " + step.unit;

@@ -39,6 +39,13 @@ TEST(QuantityText, TakesThePrefixThatFits) {
   EXPECT_EQ(quantity_text(0.25, "1"), "0.25");
 }
 
+TEST(QuantityText, WritesRoundOffAsZero) {
+  EXPECT_EQ(quantity_text(1.87e-18, "m"), "0 m");
+  EXPECT_EQ(quantity_text(-3e-12, "N"), "0 N");
+  EXPECT_EQ(quantity_text(2e-8, "m", 2), "0.02 µm");
+  EXPECT_EQ(quantity_text(1e-12, "1", 2), "1.0 × 10⁻¹²");  // a ratio may be that small
+}
+
 TEST(QuantityText, RoundsBeforeItChoosesThePrefix) { EXPECT_EQ(quantity_text(999.97, "N", 4), "1.000 kN"); }
 
 }  // namespace
