@@ -17,13 +17,17 @@ constexpr double k_kilo = 1e-3;
 struct Partner {
   const char* dataset;
   const char* title;
+  const char* name;
 };
-constexpr std::array<Partner, 6> k_partners{{{"road_wheel", "Road wheels"},
-                                             {"support_roller", "Support rollers"},
-                                             {"idler", "Idler"},
-                                             {"sprocket", "Sprocket"},
-                                             {"ground", "Ground"},
-                                             {"guide", "Centre guide"}}};
+constexpr std::array<Partner, 6> k_partners{{{"road_wheel", "Road wheels", "road wheels"},
+                                             {"support_roller", "Support rollers", "support rollers"},
+                                             {"idler", "Idler", "the idler"},
+                                             {"sprocket", "Sprocket", "the sprocket"},
+                                             {"ground", "Ground", "the ground"},
+                                             {"guide", "Centre guide", "the centre guide"}}};
+
+/// The second curve is dashed: where the sides coincide, both are seen.
+SeriesStyle side_style(Side side) { return side == Side::left ? SeriesStyle::line : SeriesStyle::dashed; }
 
 Probe first_probe(const RunFolder& run) {
   const std::vector<Probe> all = probes(run);
@@ -48,7 +52,8 @@ TimeWindow require_steady_window(const RunFolder& run) {
 /// Contact force magnitudes of the probe over a window, one stacked panel for each partner that it meets.
 Figure contact_panels(const RunFolder& run, const Probe& probe, const TimeWindow& window) {
   const std::vector<double> time = require_column(run, "/probes/time");
-  std::vector<Panel> panels;
+  std::vector<Panel> panels, silent;
+  std::string untouched;
   for (const Partner& partner : k_partners) {
     const std::string path = probe.path + "/contact_force/" + partner.dataset;
     if (!run.channels.has(path)) continue;
@@ -60,11 +65,18 @@ Figure contact_panels(const RunFolder& run, const Probe& probe, const TimeWindow
       series.x.push_back(time[i]);
       series.y.push_back(k_kilo * force[i]);
     }
+    const bool touched = std::ranges::any_of(series.y, [](double f) { return f > 0.0; });
     panel.series.push_back(std::move(series));
-    panels.push_back(std::move(panel));
+    (touched ? panels : silent).push_back(std::move(panel));
+    if (!touched) untouched += (untouched.empty() ? "" : ", ") + std::string(partner.name);
+  }
+  if (panels.empty()) {  // a link that meets nothing still has its curves
+    panels = std::move(silent);
+    untouched.clear();
   }
   if (panels.empty()) (void)require_channel(run, probe.path + "/contact_force/" + k_partners.front().dataset);
-  return stacked_figure("contact_forces", "", "", std::move(panels), 130);
+  return stacked_figure("contact_forces", "", untouched.empty() ? "" : " No contact with: " + untouched + ".",
+                        std::move(panels), 130);
 }
 
 }  // namespace
@@ -88,8 +100,11 @@ Figure figure_tension(const RunFolder& run) {
   Panel upper = time_panel("Upper run, mean", "Tension [kN]");
   const std::vector<double> time = require_column(run, "/probes/time");
   for (const Side side : {Side::left, Side::right})
-    upper.series.push_back(
-        {.name = name_of(side), .x = time, .y = scaled(upper_run_tension(run, side), k_kilo), .width = 1.2f});
+    upper.series.push_back({.name = name_of(side),
+                            .x = time,
+                            .y = scaled(upper_run_tension(run, side), k_kilo),
+                            .style = side_style(side),
+                            .width = 1.2f});
   panels.push_back(std::move(upper));
   return stacked_figure("tension", "Track tension",
                         caption + "Mean over the bushings of the upper run of each track; positive is tension.",
@@ -101,7 +116,8 @@ Figure figure_contact_forces(const RunFolder& run) {
   Figure figure = contact_panels(run, probe, {0.0, run.summary.simulated_time});
   figure.title = "Contact forces on " + probe_text(probe);
   figure.caption =
-      "Magnitude of the force that each partner puts on the link while it runs round the track (the paper's Fig. 6).";
+      "Magnitude of the force that each partner puts on the link while it runs round the track (the paper's Fig. 6)." +
+      figure.caption;
   return figure;
 }
 
@@ -116,7 +132,8 @@ Figure figure_contact_forces_zoom(const RunFolder& run) {
   figure.name = "contact_forces_zoom";
   figure.title = "One lap of " + probe_text(probe);
   figure.caption = fmt::format("The same forces over the last lap at steady speed ({} at {}).",
-                               quantity_text(lap, "s", 3), quantity_text(speed, "m/s", 3));
+                               quantity_text(lap, "s", 3), quantity_text(speed, "m/s", 3)) +
+                   figure.caption;
   return figure;
 }
 
@@ -124,8 +141,11 @@ Figure figure_sprocket_torque(const RunFolder& run) {
   const std::vector<double> time = require_column(run, "/probes/time");
   Panel panel = time_panel("", "Drive torque [kN m]");
   for (const Side side : {Side::left, Side::right})
-    panel.series.push_back(
-        {.name = name_of(side), .x = time, .y = scaled(sprocket_torque(run, side), k_kilo), .width = 1.1f});
+    panel.series.push_back({.name = name_of(side),
+                            .x = time,
+                            .y = scaled(sprocket_torque(run, side), k_kilo),
+                            .style = side_style(side),
+                            .width = 1.1f});
   return stacked_figure("sprocket_torque", "Sprocket torque",
                         "Torque that holds each sprocket to its prescribed speed; positive drives forward.",
                         {std::move(panel)}, 260);
