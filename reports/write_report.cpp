@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 
 #include "model/errors.h"
 #include "reports/assets.h"
@@ -18,6 +19,15 @@ struct Opened {
   std::vector<RunFolder> runs;
   std::vector<FitFolder> fits;
 };
+
+/// Runs of one name are told apart by their folders, everywhere on the page.
+void name_apart(std::vector<RunFolder>& runs) {
+  std::map<std::string, int> count;
+  for (const RunFolder& run : runs) ++count[run.summary.name];
+  for (RunFolder& run : runs)
+    if (count[run.summary.name] > 1) run.summary.name += " · " + run.path.filename().string();
+}
+
 Opened open_folders(const std::vector<std::filesystem::path>& folders) {
   Opened opened;
   std::vector<InputFinding> findings;
@@ -31,6 +41,7 @@ Opened open_folders(const std::vector<std::filesystem::path>& folders) {
       findings.push_back({folder.string(), "", "a run folder (run.json) or a fit folder (fit.json)", "neither", ""});
   }
   if (!findings.empty()) throw InputError(findings);
+  name_apart(opened.runs);
   return opened;
 }
 
@@ -79,7 +90,9 @@ json page_facts(const Opened& opened) {
     const json& part = opened.runs.empty() ? page["fits"][0] : page["runs"][0];
     page["page_title"] = part["title"];
   } else {
-    page["page_title"] = fmt::format("{} results side by side", parts);
+    page["page_title"] = opened.runs.size() == 1 && opened.fits.size() == 1
+                             ? opened.fits[0].fit.specimen + " and " + opened.runs[0].summary.name
+                             : fmt::format("{} results side by side", parts);
   }
   page["version"] = program_version();
   page["contents"] = contents(page);

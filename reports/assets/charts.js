@@ -66,12 +66,12 @@ const grouserCharts = (() => {
   const paddedRange = (u, low, high) => low == null || (low === 0 && high === 0) ? [0, 1] : low === high ? [low - Math.max(1, Math.abs(low)) * 0.5, high + Math.max(1, Math.abs(high)) * 0.5]
     : uPlot.rangeNum(low, high, 0.08, true);
 
-  // Zoom of one chart over time is the zoom of all of them.
+  // Zoom of one chart over time is the zoom of all of its run; other runs last longer or shorter.
   function spread(u) {
     if (spreading) return;
     spreading = true;
-    const { min, max } = u.scales.x;
-    for (const other of all) if (other.u !== u && other.linked) other.u.setScale("x", { min, max });
+    const { min, max } = u.scales.x, part = all.find(chart => chart.u === u)?.part;
+    for (const other of all) if (other.u !== u && other.linked && other.part === part) other.u.setScale("x", { min, max });
     spreading = false;
   }
 
@@ -128,7 +128,7 @@ const grouserCharts = (() => {
       },
       axes: [axis(last ? { label, labelSize: 22, size: 26 } : { size: 10, values: (u, splits) => splits.map(() => "") }), axis({ size: 58 })],
       cursor: { drag: { x: true, y: false, dist: 4 }, points: { size: 7 }, focus: { prox: -1 },
-        ...(chart.linked ? { sync: { key: "time", setSeries: false } } : {}) },
+        ...(chart.linked ? { sync: { key: "time " + chart.part, setSeries: false } } : {}) },
       series: [{}, ...panel.series.map((series, i) => ({
         label: series.name, stroke: () => colorOf(series, i), width: series.style === "points" ? 0 : Math.max(1, series.width * 0.9),
         dash: dash[series.style], spanGaps: true, points: { show: series.style === "points" },
@@ -192,7 +192,7 @@ const grouserCharts = (() => {
     if (first) {
       const help = document.createElement("p");
       help.className = "chart-help";
-      help.textContent = "Drag to zoom, double-click to see all again; charts over time zoom together. Click a name to hide its curve.";
+      help.textContent = "Drag to zoom, double-click to see all again; charts of a run over time zoom together. Click a name to hide its curve.";
       first.append(help);
     }
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => all.forEach(chart => { colorKeys(chart); chart.u.redraw(); }));
