@@ -92,7 +92,8 @@ Camera make_camera(const std::string& name, const Subject& subject, float aspect
   const Follower body(subject, heading), start(subject, subject.start_heading);
   const float middle = 0.5f * (subject.front + subject.rear), length = subject.front - subject.rear;
   if (name == "chase")
-    return perspective_camera(start.at(1.15f * length, -0.98f * length, 0.47f * length),
+    // Far enough that a gun stays in the picture at every heading.
+    return perspective_camera(start.at(1.60f * length, -1.36f * length, 0.65f * length),
                               start.at(middle + 0.075f * length, 0.0f, 0.95f), 36.0f);
   if (name == "front")
     return perspective_camera(body.at(1.9f * length, -0.18f * length, 0.22f * length), body.at(middle, 0.0f, 1.1f),

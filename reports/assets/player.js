@@ -18,7 +18,7 @@ async function startPlayer(figure) {
   stage.append(reading);
   stage.tabIndex = 0;
   const draw = sceneRenderer(gl, scene, vertices, indices, poses);
-  const camera = { azimuth: -0.85, elevation: 0.27, distance: 1.95 * scene.reach };
+  const camera = { azimuth: -0.85, elevation: 0.27, distance: 2.6 * scene.reach };
   let frame = 0, playing = false, clock = 0;
 
   const controls = name => figure.querySelector("." + name);
@@ -62,7 +62,7 @@ async function startPlayer(figure) {
 
   play.onclick = toggle;
   seek.oninput = () => set(Number(seek.value));
-  const views = { quarter: [-0.85, 0.27, 1.95], side: [-Math.PI / 2, 0.06, 1.35], front: [0, 0.16, 1.25], top: [-Math.PI / 2, 1.5, 1.6] };
+  const views = { quarter: [-0.85, 0.27, 2.6], side: [-Math.PI / 2, 0.06, 1.35], front: [0, 0.16, 1.25], top: [-Math.PI / 2, 1.5, 1.6] };
   controls("view").onchange = e => {
     const [azimuth, elevation, distance] = views[e.target.value];
     Object.assign(camera, { azimuth, elevation, distance: distance * scene.reach });

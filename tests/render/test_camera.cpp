@@ -58,6 +58,20 @@ TEST(Camera, ChaseShowsATurnAsATurn) {
   EXPECT_FALSE(eye("side", 0.0).isApprox(eye("side", 1.0)));
 }
 
+TEST(Camera, ChaseKeepsTheGunInThePictureAtEveryHeading) {
+  const Vehicle vehicle = read_vehicle(GROUSER_SOURCE_DIR "/test_data/vehicles/reference.json");
+  ASSERT_FALSE(vehicle.visual_tubes.empty());
+  const VehicleModel model(vehicle);
+  for (double heading = 0.0; heading < 6.3; heading += 0.1) {
+    const Subject subject = model.subject(turned(heading), 0.0);
+    const Camera camera = make_camera("chase", subject, 16.0f / 9.0f);
+    for (const VisualTube& tube : vehicle.visual_tubes) {
+      const Vector3d end = subject.pose.chassis.position + subject.pose.chassis.orientation * tube.to;
+      EXPECT_LT(seen(camera, end.cast<float>()).head<2>().cwiseAbs().maxCoeff(), 0.96f) << heading;
+    }
+  }
+}
+
 TEST(Camera, AnUnknownNameIsAnErrorThatNamesTheKnownOnes) {
   try {
     (void)make_camera("drone", {}, 1.5f);
