@@ -105,9 +105,13 @@ json table_facts(const RunSummary& summary) {
   return tables;
 }
 
-json result_facts(const RunSummary& summary) {
+bool is_contact_count(const RunResult& result) { return result.name.starts_with("mean_contacts_"); }
+
+/// The results that are mean numbers of contacts, without partners that nothing touched, or all the others.
+json result_facts(const RunSummary& summary, bool contacts) {
   json rows = json::array();
   for (const RunResult& result : summary.results) {
+    if (is_contact_count(result) != contacts || (contacts && result.value == 0.0)) continue;
     json row = labelled_quantity(result_label(result), result.value, result.unit);
     row["name"] = result.name;
     row["meaning"] = result.meaning;
@@ -139,11 +143,21 @@ json section_facts(const RunFolder& run, const std::string& id) {
   return sections;
 }
 
+/// A film older than the channels shows an earlier run of the folder.
+bool film_belongs(const RunFolder& run) {
+  std::error_code error;
+  const auto filmed = std::filesystem::last_write_time(run.path / "film.mp4", error);
+  if (error) return false;
+  const auto recorded = std::filesystem::last_write_time(run.path / "run.h5", error);
+  return !error && filmed >= recorded;
+}
+
 json film_facts(const RunFolder& run) {
   const std::filesystem::path film = run.path / "film.mp4";
   std::error_code error;
-  if (!std::filesystem::is_regular_file(film, error)) return false;
-  return {{"payload_mp4", base64(read_whole(film))}, {"caption", "The run as rendered headless, frame by frame."}};
+  if (!std::filesystem::is_regular_file(film, error) || !film_belongs(run)) return false;
+  return {{"payload_mp4", base64(read_whole(film))},
+          {"caption", "The run as rendered headless, frame by frame. Every tenth link is amber, probe links are red."}};
 }
 
 /// The vehicle at steady speed, for paper, where nothing moves.
@@ -218,8 +232,10 @@ json run_facts(const RunFolder& run, const std::string& id, int level) {
   facts["still"] = still_facts(run);
   facts["sections"] = section_facts(run, id);
   facts["tables"] = table_facts(summary);
-  facts["results"] = result_facts(summary);
-  facts["has_results"] = !summary.results.empty();
+  facts["results"] = result_facts(summary, false);
+  facts["has_results"] = !facts["results"].empty();
+  facts["contacts"] = result_facts(summary, true);
+  facts["has_contacts"] = !facts["contacts"].empty();
   const std::string folder = run.path.filename().string();
   facts["provenance"] = provenance_facts(
       summary.provenance,

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include <chrono>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -184,6 +185,22 @@ TEST_F(Pages, SeveralRunsAreCompared) {
   const std::string text = visible_text(report({"run_a", "run_b"}));
   EXPECT_THAT(text, HasSubstr("Comparison"));
   EXPECT_THAT(text, HasSubstr("Tension of the upper run"));
+}
+
+TEST_F(Pages, RunsOfOneNameAreToldApartByTheirFolders) {
+  mock::write_run(folder_ / "run_c", {.name = "Run A"});
+  const std::string text = visible_text(report({"run_a", "run_c"}));
+  EXPECT_THAT(text, HasSubstr("Run A · run_a"));
+  EXPECT_THAT(text, HasSubstr("Run A · run_c"));
+}
+
+TEST_F(Pages, AFilmOlderThanTheRunIsNotShown) {
+  const std::filesystem::path film = folder_ / "run_a" / "film.mp4", channels = folder_ / "run_a" / "run.h5";
+  std::ofstream(film) << "film";
+  std::filesystem::last_write_time(film, std::filesystem::last_write_time(channels) + std::chrono::seconds(5));
+  EXPECT_THAT(report({"run_a"}), HasSubstr("video/mp4"));
+  std::filesystem::last_write_time(film, std::filesystem::last_write_time(channels) - std::chrono::seconds(5));
+  EXPECT_THAT(report({"run_a"}), Not(HasSubstr("video/mp4")));
 }
 
 TEST_F(Pages, ElementIdsStandOnce) {
