@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "cli/command.h"
+#include "cli/usage.h"
 #include "reports/report.h"
 
 namespace grouser::cli {
@@ -57,7 +58,9 @@ Command add_plot(CLI::App& root) {
   CLI::Option* figure = app->add_option("--figure", options->figure, "Figure to draw")
                             ->type_name("NAME")
                             ->check(CLI::IsMember(figure_names()));
-  app->add_option("-o,--output", options->file, "Picture [RUN_DIR/NAME.png]")->type_name("FILE.png");
+  app->add_option("-o,--output", options->file, "Picture [RUN_DIR/NAME.png]")
+      ->type_name("FILE.png")
+      ->check(ending_in(".png"));
   app->add_flag("--dark", options->dark, "Light lines on a dark ground");
   app->callback([list, folder, figure] {
     if (list->count() > 0) return;

@@ -8,6 +8,8 @@
 #include "cli/command.h"
 #include "cli/interrupt.h"
 #include "cli/stages.h"
+#include "cli/usage.h"
+#include "model/errors.h"
 
 namespace grouser::cli {
 namespace {
@@ -42,8 +44,21 @@ fs::path film_file(const Options& options, bool film_named) {
   return fs::path(options.folder) / options.film;
 }
 
+/// Throws InputError for a time that the run does not have.
+void check_times(const RunFolder& run, const std::vector<double>& times) {
+  const std::vector<double> sampled = run.channels.read("/time").values;
+  const double end = sampled.empty() ? 0.0 : sampled.back();
+  std::vector<InputFinding> findings;
+  for (const double time : times) {
+    if (time >= 0.0 && time <= end) continue;
+    findings.push_back({"--still", "", fmt::format("0 to {:g} s", end), fmt::format("{:g}", time), ""});
+  }
+  if (!findings.empty()) throw InputError(findings);
+}
+
 Result run(const Options& options, bool film_named, Console& console) {
   const RunFolder opened = open_run(options.run_folder);
+  check_times(opened, options.stills);
   const fs::path folder = options.folder.empty() ? options.run_folder : options.folder;
   fs::create_directories(folder);
   Result result;
@@ -86,12 +101,12 @@ Command add_render(CLI::App& root) {
                                       "Film to write; this is also what happens without --film, "
                                       "--frames and --still, into the output folder")
                           ->type_name("FILE.mp4")
+                          ->check(ending_in(".mp4"))
                           ->capture_default_str();
   CLI::Option* frames = app->add_flag("--frames", options->frames, "Numbered pictures: frame_000000.png and so on");
   CLI::Option* still = app->add_option("--still", options->stills, "Picture at time T [s] of the run; may be repeated")
                            ->type_name("T")
-                           ->allow_extra_args(false)
-                           ->check(CLI::NonNegativeNumber);
+                           ->allow_extra_args(false);
   film->excludes(frames)->excludes(still);
   frames->excludes(still);
   app->add_option("--size", options->size, "Pixels")

@@ -45,4 +45,12 @@ std::string explain(const CLI::App& root, const CLI::ParseError& error, const st
   return chosen ? error.what() : "expected a subcommand";
 }
 
+CLI::Validator ending_in(const std::string& extension) {
+  return {[extension](std::string& file) {
+            return file.ends_with(extension) ? std::string()
+                                             : "expected a file name ending in " + extension + ", found " + file;
+          },
+          ""};
+}
+
 }  // namespace grouser::cli

@@ -9,4 +9,7 @@ namespace grouser::cli {
 [[nodiscard]] std::string explain(const CLI::App& root, const CLI::ParseError& error,
                                   const std::vector<std::string>& arguments);
 
+/// Refuses a file name that does not end in `extension` (".png").
+[[nodiscard]] CLI::Validator ending_in(const std::string& extension);
+
 }  // namespace grouser::cli

@@ -60,6 +60,8 @@ TEST(Usage, ValuesThatCannotBeAreRefusedBeforeAnyWork) {
       {{"plot", "--figure", "tension"}, "RUN_DIR"},
       {{"export", "run", "--format", "xls"}, "--format"},
       {{"identify", "rig.json", "--threads", "0"}, "--threads"},
+      {{"render", "run", "--film", "film.avi"}, ".mp4, found film.avi"},
+      {{"plot", "run", "--figure", "tension", "-o", "a.svg"}, ".png, found a.svg"},
       {{"report"}, "DIR"},
       {{"check"}, "FILE"},
   };
