@@ -63,6 +63,7 @@ ExitCode make_parts(const fs::path& data, const fs::path& folder, Console& conso
   for (const auto& [name, weight] : {std::pair{"run_a", 17.0}, std::pair{"run_b", 6.0}}) {  // seconds of run and film
     SimulateRequest request;
     request.scenario_file = (data / "scenarios" / (std::string(name) + ".json")).string();
+    request.folder = (folder / name).string();
     request.bushing_file = (fitted / "bushing.json").string();
     const fs::path run = folder / name;
     drive.push_back(guarded(weight, console, [request, run, &console](const Progress& tell) {

@@ -57,7 +57,7 @@ Result run(const Options& options, Console& console) {
 
 IdentifyResult identify_into(const fs::path& rig_file, const fs::path& folder, int threads, const Progress& progress) {
   RigRecord rig = read_rig(rig_file);
-  rig.provenance.command = "grouser identify " + rig_file.string();
+  rig.provenance.command = "grouser identify " + rig_file.string() + " -o " + folder.string();
   fs::create_directories(folder);  // before the long work: a folder that cannot be made should not cost a fit
   IdentifyResult result = identify(rig, {.threads = threads}, progress);
   write_bushing(result.bushing, folder / "bushing.json");

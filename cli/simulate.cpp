@@ -14,7 +14,6 @@ namespace fs = std::filesystem;
 
 struct Options {
   SimulateRequest request;
-  std::string folder;
   int threads = 1;
 };
 
@@ -27,8 +26,8 @@ std::map<std::string, std::string> replacements(const std::vector<std::string>& 
 
 Result run(const Options& options, Console& console) {
   const Scenario scenario = read_request(options.request);
-  const fs::path folder =
-      options.folder.empty() ? fs::path(options.request.scenario_file).stem() : fs::path(options.folder);
+  const fs::path folder = options.request.folder.empty() ? fs::path(options.request.scenario_file).stem()
+                                                         : fs::path(options.request.folder);
   const RunSummary summary = simulate(scenario, folder, console.progress("simulate"));
 
   Result result;
@@ -57,6 +56,7 @@ Scenario read_request(const SimulateRequest& request) {
       read_scenario(request.scenario_file, {request.vehicle_file, request.bushing_file, replacements(request.set)});
   std::string& command = scenario.provenance.command;
   command = "grouser simulate " + request.scenario_file;
+  if (!request.folder.empty()) command += " -o " + request.folder;
   if (!request.vehicle_file.empty()) command += " --vehicle " + request.vehicle_file;
   if (!request.bushing_file.empty()) command += " --bushing " + request.bushing_file;
   for (const std::string& each : request.set) command += " --set " + each;
@@ -88,7 +88,7 @@ Command add_simulate(CLI::App& root) {
   app->add_option("SCENARIO.json", options->request.scenario_file,
                   "Vehicle, bushing, terrain, drive, output: grouser.scenario/1")
       ->required();
-  app->add_option("-o,--output", options->folder, "Run folder [./NAME of NAME.json]")->type_name("DIR");
+  app->add_option("-o,--output", options->request.folder, "Run folder [./NAME of NAME.json]")->type_name("DIR");
   app->add_option("--vehicle", options->request.vehicle_file, "Drive this vehicle instead of the scenario's")
       ->type_name("FILE");
   app->add_option("--bushing", options->request.bushing_file, "Use this bushing instead of the scenario's")

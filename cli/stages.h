@@ -20,9 +20,9 @@ struct SimulateRequest {
   std::string scenario_file;
   std::string vehicle_file, bushing_file;  ///< empty = as the scenario says
   std::vector<std::string> set;            ///< "path=value"
+  std::string folder;                      ///< of the run; empty = named after the scenario
 };
-/// Reads the scenario with its replacements; its provenance holds the command that repeats the run, wherever the output
-/// goes.
+/// Reads the scenario with its replacements; its provenance holds the command that repeats the run.
 [[nodiscard]] Scenario read_request(const SimulateRequest& request);
 [[nodiscard]] ExitCode exit_code(RunStatus status);
 
