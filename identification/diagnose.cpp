@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::size_t k_clipped_run = 4;     // equal samples at the extreme; noise and a sine's crest give 2 or 3
 constexpr double k_frequency_error = 0.01;   // stated against measured (I 4)
+constexpr double k_amplitude_error = 0.05;   // stated against measured
 constexpr double k_drift = 0.03;             // of the range, over the used cycles
 constexpr double k_settling = 0.015;         // energy change of the last used cycle
 constexpr double k_no_slope = 0.05;          // correlation of a pure damper; its sign is no evidence
@@ -131,6 +132,30 @@ struct Channel {
   const char* consequence;  // what the fit makes of a drift: only the force's zero is free to move
 };
 
+// The laboratory may state the specimen's amplitude or that of the whole column (frame and bushings in series): a
+// warning only where neither fits. A stepped record is held against its largest amplitude.
+void find_wrong_amplitude(const PreparedTest& test, const RigRecord& rig, std::vector<FitWarning>& warnings) {
+  const auto& stated = test.source->amplitude;
+  if (!stated || test.source->kind != TestKind::cyclic) return;
+  const Cycle* largest = nullptr;
+  for (const Cycle& cycle : test.cycles) {
+    if (cycle.used && (largest == nullptr || cycle.amplitude > largest->amplitude)) largest = &cycle;
+  }
+  if (largest == nullptr) return;
+  const bool turns = is_rotation(test.source->axis);
+  const double compliance = turns ? 0.0 : rig.rig_compliance;
+  const double measured = largest->amplitude;
+  const double column = measured * (rig.bushings_in_series + compliance * largest->measured.effective_stiffness);
+  const auto wrong = [&](double value) { return std::abs(value / *stated - 1.0) > k_amplitude_error; };
+  if (!wrong(measured) || !wrong(column)) return;
+  const double shown = turns ? 180.0 / k_pi : 1e3;
+  const char* unit = turns ? "deg" : "mm";
+  warnings.push_back(
+      {"wrong_amplitude", test.source->name,
+       fmt::format("stated {:.4g} {}, measured {:.4g} {} (half the range, {:+.1f} %); the measured value is used",
+                   shown * *stated, unit, shown * measured, unit, 100.0 * (measured / *stated - 1.0))});
+}
+
 // Change of the cycle means over the used cycles of a block, by regression.
 void find_drift(const PreparedTest& test, const Channel& channel, std::vector<FitWarning>& warnings) {
   std::map<int, std::vector<double>> means;
@@ -233,7 +258,7 @@ bool find_time_gap(PreparedTest& test, std::vector<FitWarning>& warnings) {
   return true;
 }
 
-void diagnose(PreparedTest& test, std::vector<FitWarning>& warnings) {
+void diagnose(PreparedTest& test, const RigRecord& rig, std::vector<FitWarning>& warnings) {
   const std::string& name = test.source->name;
   if (test.cycles.empty()) test.unusable = "no closed cycle";
   if (!(central_range(test.source->displacement) > 0.0)) test.unusable = "a displacement that stands still";
@@ -254,6 +279,7 @@ void diagnose(PreparedTest& test, std::vector<FitWarning>& warnings) {
   find_clipping(test, test.source->displacement, test.source->force, "displacement", warnings);
   find_clipping(test, test.source->force, test.source->displacement, "force", warnings);
   find_wrong_frequency(test, warnings);
+  find_wrong_amplitude(test, rig, warnings);
   const bool turns = is_rotation(test.source->axis);
   find_drift(test, {test.force, "force", turns ? "N m" : "N", "taken out of the fit as a straight line"}, warnings);
   find_drift(test,

@@ -7,7 +7,7 @@ namespace grouser {
 
 /// Looks for sensor and rig faults in a test whose cycles are measured and sorted; adds a warning with the evidence for
 /// each. Marks the test unusable when its two channels cannot be what the file says (swapped, reversed).
-void diagnose(PreparedTest& test, std::vector<FitWarning>& warnings);
+void diagnose(PreparedTest& test, const RigRecord& rig, std::vector<FitWarning>& warnings);
 
 /// Looks for a hole in a measured time column (a step of more than five usual ones): no frequency and no rate can be
 /// told across it. If there is one, adds a warning `time_gap` with its place, marks the test unusable, returns true.

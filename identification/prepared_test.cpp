@@ -259,7 +259,7 @@ PreparedTest prepare_test(const RigTest& test, const RigRecord& rig, std::vector
   for (Cycle& cycle : prepared.cycles) measure_cycle(cycle, prepared);
   if (gap) return prepared;
   choose_cycles(prepared);
-  diagnose(prepared, warnings);
+  diagnose(prepared, rig, warnings);
   return prepared;
 }
 

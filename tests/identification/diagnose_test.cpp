@@ -77,6 +77,29 @@ TEST(Diagnosis, NamesAStatedFrequencyThatIsNotTheMeasuredOne) {
   EXPECT_THAT(codes(Prepared(test).warnings), ::testing::IsEmpty());  // half a per cent is an ordinary rig
 }
 
+TEST(Diagnosis, NamesAStatedAmplitudeThatIsNotTheMeasuredOne) {
+  RigTest test = sine_test(0.25e-3, 1.0, 6, 200, [](double x, double rate) { return 1e7 * x + 1e5 * rate; });
+  test.amplitude = 5e-3;
+  const Prepared prepared(test);
+  ASSERT_THAT(codes(prepared.warnings), ::testing::ElementsAre("wrong_amplitude"));
+  EXPECT_THAT(prepared.warnings[0].text, HasSubstr("stated 5 mm, measured 0.25 mm"));
+  test.amplitude = 0.26e-3;  // 4 per cent is an ordinary actuator
+  EXPECT_THAT(codes(Prepared(test).warnings), ::testing::IsEmpty());
+}
+
+TEST(Diagnosis, TakesTheAmplitudeOfTheWholeColumnForRight) {
+  RigTest test = sine_test(0.25e-3, 1.0, 6, 200, [](double x, double rate) { return 1e7 * x + 1e5 * rate; });
+  for (double& x : test.displacement) x *= 2.0;
+  for (const double stated : {0.25e-3, 0.5e-3}) {
+    test.amplitude = stated;
+    RigRecord rig = record_of({test});
+    rig.bushings_in_series = 2;
+    std::vector<FitWarning> warnings;
+    (void)prepare_test(rig.tests[0], rig, warnings);
+    EXPECT_THAT(codes(warnings), ::testing::IsEmpty()) << stated;
+  }
+}
+
 TEST(Diagnosis, LeavesOutARecordWithAHoleInItsTime) {
   RigTest sound = sine_test(1e-3, 1.0, 12, 200, [](double x, double rate) { return 1e7 * x + 1e5 * rate; });
   RigTest broken = sound;
