@@ -95,7 +95,8 @@ PlotAxis ValueRange::axis(double padding, const std::optional<std::array<double,
     axis.high = (*wanted)[1];
   } else if (logarithmic_) {
     if (!any_) return {1.0, 10.0, true};
-    const double factor = std::max(std::pow(high_ / low_, padding), high_ > low_ ? 1.0 : 2.0);
+    // Values that nearly agree stand in the middle, not on the frame.
+    const double factor = std::max(std::pow(high_ / low_, padding), high_ > 1.2 * low_ ? 1.0 : 2.0);
     axis.low = low_ / factor;
     axis.high = high_ * factor;
   } else if (any_) {
@@ -114,7 +115,10 @@ PlotAxis ValueRange::axis(double padding, const std::optional<std::array<double,
 }
 
 Ticks make_ticks(const PlotAxis& axis, double count) {
-  return axis.logarithmic ? logarithmic_ticks(axis, count) : linear_ticks(axis, count);
+  if (!axis.logarithmic) return linear_ticks(axis, count);
+  const Ticks ticks = logarithmic_ticks(axis, count);
+  // Within one decade the marks 1, 2, 5 may all be missed.
+  return ticks.major.size() < 2 ? linear_ticks(axis, count) : ticks;
 }
 
 }  // namespace grouser
