@@ -42,11 +42,11 @@ json run_card(const std::filesystem::path& folder) {
   const RunSummary& summary = run.summary;
   json facts{
       {"kind", "Run"}, {"title", summary.name}, {"verdict", run_verdict(summary)}, {"numbers", run_headline(summary)}};
-  const std::optional<TimeWindow> steady = steady_window(run);
   RenderOptions options;
   options.width = 800;
   options.height = 450;
-  facts["payload_picture"] = encoded(render_still(run, steady ? steady->end : 0.5 * summary.simulated_time, options));
+  facts["payload_picture"] = encoded(render_still(run, 0.5 * summary.simulated_time, options));
+  facts["payload_dark"] = false;  // a photograph is the same by night
   facts["alt"] = "The vehicle in " + summary.name;
   facts["links"] = file_links(folder, {"report.html", "report.json", "film.mp4", "run.json", "run.h5"});
   facts["is_synthetic"] = run.scenario.bushing.synthetic || !summary.provenance.synthetic.empty();
@@ -61,12 +61,14 @@ json fit_card(const std::filesystem::path& folder) {
              {"verdict", fit_verdict(fit)},
              {"numbers", fit_headline(fit)}};
   facts["payload_picture"] = false;
+  facts["payload_dark"] = false;
   if (!fit.axes.empty())
     if (std::optional<Figure> figure = figure_backbone(fit.axes.front())) {
       figure->title.clear();
       figure->width = 800;
       figure->height = 450;
       facts["payload_picture"] = encoded(draw(*figure, Theme::light, 1.5));
+      facts["payload_dark"] = encoded(draw(*figure, Theme::dark, 1.5));
       facts["alt"] = text_alternative(*figure);
     }
   facts["links"] = file_links(folder, {"report.html", "report.json", "bushing.json", "fit.json"});
