@@ -4,7 +4,9 @@
 #include <memory>
 
 #include "cli/command.h"
+#include "cli/stages.h"
 #include "model/check.h"
+#include "model/errors.h"
 #include "model/run.h"
 
 namespace grouser::cli {
@@ -14,8 +16,12 @@ namespace fs = std::filesystem;
 
 /// "ok" and what was read; throws otherwise.
 std::string check(const fs::path& file) {
+  if (file.extension() == ".csv" && fs::exists(file)) {
+    throw InputError(InputFinding{file.string(), "", "a JSON file or a run folder", "a CSV file",
+                                  "CSV files are checked through the rig.json that names them"});
+  }
   if (!fs::is_directory(file)) return check_file(file);
-  const RunFolder run = open_run(file);
+  const RunFolder run = open_run_folder(file);
   return fmt::format("ok: run folder of {}, {} channels", run.summary.name, run.channels.datasets().size());
 }
 

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "cli/command.h"
+#include "cli/stages.h"
 #include "model/run.h"
 
 namespace grouser::cli {
@@ -115,7 +116,7 @@ std::string csv_of(const RunReader& run, const std::string& path) {
 }
 
 Result run(const Options& options, Console& console) {
-  const RunFolder opened = open_run(options.run_folder);
+  const RunFolder opened = open_run_folder(options.run_folder);
   const fs::path folder = options.folder.empty() ? fs::path(options.run_folder) / "csv" : fs::path(options.folder);
   fs::create_directories(folder);
   const Progress progress = console.progress("export");

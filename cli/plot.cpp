@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "cli/command.h"
+#include "cli/stages.h"
 #include "cli/usage.h"
 #include "reports/report.h"
 
@@ -32,7 +33,7 @@ Result run(const Options& options) {
   if (options.list) return list_figures();
   const fs::path file =
       options.file.empty() ? fs::path(options.run_folder) / (options.figure + ".png") : fs::path(options.file);
-  const RunFolder opened = open_run(options.run_folder);
+  const RunFolder opened = open_run_folder(options.run_folder);
   const Image image = draw(make_run_figure(opened, options.figure), options.dark ? Theme::dark : Theme::light);
   if (file.has_parent_path()) fs::create_directories(file.parent_path());
   write_png(image, file);

@@ -57,7 +57,7 @@ void check_times(const RunFolder& run, const std::vector<double>& times) {
 }
 
 Result run(const Options& options, bool film_named, Console& console) {
-  const RunFolder opened = open_run(options.run_folder);
+  const RunFolder opened = open_run_folder(options.run_folder);
   check_times(opened, options.stills);
   const fs::path folder = options.folder.empty() ? options.run_folder : options.folder;
   fs::create_directories(folder);

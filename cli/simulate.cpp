@@ -6,6 +6,7 @@
 
 #include "cli/command.h"
 #include "cli/stages.h"
+#include "model/errors.h"
 
 namespace grouser::cli {
 namespace {
@@ -61,6 +62,12 @@ Scenario read_request(const SimulateRequest& request) {
   if (!request.bushing_file.empty()) command += " --bushing " + request.bushing_file;
   for (const std::string& each : request.set) command += " --set " + each;
   return scenario;
+}
+
+RunFolder open_run_folder(const fs::path& folder) {
+  if (!fs::exists(folder / "run.json")) throw FileError(folder.string() + ": not a run folder: run.json is missing");
+  if (!fs::exists(folder / "run.h5")) throw FileError(folder.string() + ": run.h5 is missing");
+  return open_run(folder);
 }
 
 ExitCode exit_code(RunStatus status) {

@@ -26,6 +26,9 @@ struct SimulateRequest {
 [[nodiscard]] Scenario read_request(const SimulateRequest& request);
 [[nodiscard]] ExitCode exit_code(RunStatus status);
 
+/// open_run, with what is missing named: throws FileError for a folder without run.json or run.h5.
+[[nodiscard]] RunFolder open_run_folder(const std::filesystem::path& folder);
+
 /// folder/still_<time>s.png. Returns the file.
 [[nodiscard]] std::filesystem::path still_into(const RunFolder& run, double time, const RenderOptions& options,
                                                const std::filesystem::path& folder);
