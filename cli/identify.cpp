@@ -6,6 +6,7 @@
 
 #include "cli/command.h"
 #include "cli/stages.h"
+#include "model/errors.h"
 #include "reports/report.h"
 
 namespace grouser::cli {
@@ -58,8 +59,19 @@ Result run(const Options& options, Console& console) {
 IdentifyResult identify_into(const fs::path& rig_file, const fs::path& folder, int threads, const Progress& progress) {
   RigRecord rig = read_rig(rig_file);
   rig.provenance.command = "grouser identify " + rig_file.string() + " -o " + folder.string();
-  fs::create_directories(folder);  // before the long work: a folder that cannot be made should not cost a fit
-  IdentifyResult result = identify(rig, {.threads = threads}, progress);
+  if (fs::exists(folder) && !fs::is_directory(folder)) {
+    throw FileError(folder.string() + ": expected a folder for the output, found a file");
+  }
+  // Before the long work: a folder that cannot be made should not cost a fit.
+  const bool made = fs::create_directories(folder);
+  IdentifyResult result;
+  try {
+    result = identify(rig, {.threads = threads}, progress);
+  } catch (...) {
+    std::error_code ignored;
+    if (made) fs::remove(folder, ignored);  // still empty
+    throw;
+  }
   write_bushing(result.bushing, folder / "bushing.json");
   write_fit(result.fit, folder / "fit.json");
   write_report({folder}, folder / "report.html");
