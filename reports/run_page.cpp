@@ -218,7 +218,11 @@ json run_facts(const RunFolder& run, const std::string& id, int level) {
   facts["title"] = summary.name;
   facts["subtitle"] = fmt::format("{} · {}", summary.vehicle_name, summary.bushing_name);
   facts["status"] = name_of(summary.status);
-  facts["message"] = summary.status == RunStatus::completed ? "" : summary.message;  // else the verdict says it
+  // Of a completed run the verdict says it all, but for what the run adds after a semicolon.
+  const bool completed = summary.status == RunStatus::completed;
+  const std::size_t remark = summary.message.find("; ");
+  facts["message"] = completed ? "" : summary.message;
+  facts["remark"] = completed && remark != std::string::npos ? summary.message.substr(remark + 2) : "";
   facts["verdict"] = run_verdict(summary);
   facts["checks"] = check_facts(summary);
   facts["has_checks"] = !summary.checks.empty();
