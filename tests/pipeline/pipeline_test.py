@@ -4,13 +4,16 @@ import csv
 import hashlib
 import json
 import os
+import signal
 import struct
+import subprocess
 import tempfile
+import time
 import unittest
 
 import h5py
 
-from command import DATA, SHORT_RUN, result, run
+from command import COMMAND, DATA, SHORT_RUN, result, run
 
 LINKS = 76  # a track of the reference vehicle
 
@@ -168,6 +171,42 @@ class Pipeline(unittest.TestCase):
         self.assertEqual(rows[0][-1], "link_velocity_75_z_m_per_s")
         self.assertEqual(float(rows[-1][0]), last_time)
         self.assertEqual(velocity.dtype.type(rows[-1][-1]), velocity[-1, -1, -1])
+
+
+class Runs(unittest.TestCase):
+    """Whole runs that need no identification: the bushing in test_data."""
+
+    def setUp(self):
+        self.temporary = tempfile.TemporaryDirectory()
+        self.folder = os.path.join(self.temporary.name, "run")
+
+    def tearDown(self):
+        self.temporary.cleanup()
+
+    def test_a_parked_vehicle_stays_where_it_is(self):
+        result("simulate", os.path.join(DATA, "scenarios/parked.json"), "-o", self.folder, "--set", "duration_s=1")
+        with open(os.path.join(self.folder, "run.json"), encoding="utf-8") as file:
+            checks = {check["name"]: check for check in json.load(file)["checks"]}
+        self.assertIn("Drift of the parked vehicle", checks)
+        self.assertEqual([name for name, check in checks.items() if not check["pass"]], [])
+
+    def test_a_killed_run_keeps_its_channels_and_does_not_claim_to_be_complete(self):
+        channels = os.path.join(self.folder, "run.h5")
+        process = subprocess.Popen([COMMAND, "simulate", os.path.join(DATA, "scenarios/run_a.json"), "-o", self.folder,
+                                    "--quiet"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        try:
+            deadline = time.monotonic() + 120.0  # assembly takes 2 s on an idle core
+            while time.monotonic() < deadline and not (os.path.exists(channels) and os.path.getsize(channels) > 4e6):
+                time.sleep(0.05)
+        finally:
+            process.send_signal(signal.SIGKILL)
+            process.wait()
+        self.assertEqual(process.returncode, -signal.SIGKILL)
+        with h5py.File(channels, "r") as file:
+            self.assertGreater(len(file["time"]), 10)
+            self.assertGreater(len(file["steps/time"]), 100)
+        with open(os.path.join(self.folder, "run.json"), encoding="utf-8") as file:
+            self.assertEqual(json.load(file)["status"], "stopped")
 
 
 if __name__ == "__main__":
