@@ -106,8 +106,9 @@ void Console::note(std::string_view text) {
 Progress Console::progress(std::string title) {
   if (quiet_) return [](const ProgressReport&) { return !interrupted(); };
   return [bar = std::make_shared<ProgressBar>(std::move(title))](const ProgressReport& report) {
+    if (interrupted()) return false;
     bar->show(report);
-    return !interrupted();
+    return true;
   };
 }
 
