@@ -5,7 +5,7 @@
 #include "model/check.h"
 #include "model/errors.h"
 #include "model/provenance.h"
-#include "tests/model/temporary_folder.h"
+#include "tests/support/test_data.h"
 
 namespace grouser {
 namespace {

@@ -7,7 +7,7 @@
 #include "model/bushing_law.h"
 #include "model/errors.h"
 #include "model/provenance.h"
-#include "tests/model/temporary_folder.h"
+#include "tests/support/test_data.h"
 
 namespace grouser {
 namespace {

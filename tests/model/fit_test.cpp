@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "model/provenance.h"
-#include "tests/model/temporary_folder.h"
+#include "tests/support/test_data.h"
 
 namespace grouser {
 namespace {

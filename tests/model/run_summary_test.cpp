@@ -6,7 +6,7 @@
 
 #include "model/provenance.h"
 #include "model/run.h"
-#include "tests/model/temporary_folder.h"
+#include "tests/support/test_data.h"
 
 namespace grouser {
 namespace {

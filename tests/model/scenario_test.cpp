@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "model/errors.h"
-#include "tests/model/temporary_folder.h"
+#include "tests/support/test_data.h"
 
 namespace grouser {
 namespace {

@@ -11,7 +11,7 @@
 #include "model/fit.h"
 #include "model/provenance.h"
 #include "model/run.h"
-#include "tests/model/temporary_folder.h"
+#include "tests/support/test_data.h"
 
 /// The published schemas against the readers: what one accepts the other accepts, what one refuses the other refuses.
 namespace grouser {

@@ -4,7 +4,7 @@
 #include "model/check.h"
 #include "model/provenance.h"
 #include "model/vehicle.h"
-#include "tests/model/temporary_folder.h"
+#include "tests/support/test_data.h"
 
 namespace grouser {
 namespace {
