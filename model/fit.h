@@ -85,7 +85,8 @@ struct AxisFit {
 
 struct FitWarning {
   std::string code;  ///< "drift", "clipped_sensor", "swapped_columns", "reversed_polarity", "wrong_frequency",
-                     ///< "unsettled_cycles", ...
+                     ///< "wrong_amplitude", "time_gap", "unsettled_cycles", "transition_cycles", "few_samples",
+                     ///< "tilted_specimen", "rate_unknown", "open_ramp", "unusable_test", "axis_without_test"
   std::string test;  ///< empty: whole campaign
   std::string text;  ///< a sentence with the evidence
 };
