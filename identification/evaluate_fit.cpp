@@ -114,7 +114,7 @@ std::vector<double> replay(const AxisLaw& law, const std::vector<double>& time,
   return force;
 }
 
-TestFit evaluate_fit(const PreparedTest& test, const AxisLaw* law) {
+TestFit evaluate_fit(const PreparedTest& test, std::vector<double> force) {
   TestFit result;
   result.name = test.source->name;
   result.axis = test.source->axis;
@@ -123,9 +123,9 @@ TestFit evaluate_fit(const PreparedTest& test, const AxisLaw* law) {
   result.cycles = static_cast<int>(test.cycles.size());
   result.cycles_used = test.cycles_used();
   result.frequency = test.frequency;
-  std::vector<double> fitted;
-  if (law != nullptr) {
-    fitted = replay(*law, test.time, test.displacement);
+  std::vector<double> fitted = std::move(force);
+  const bool modelled = !fitted.empty();
+  if (modelled) {
     std::vector<char> done(fitted.size(), 0);
     for (int block = 0; block < test.blocks; ++block) add_sensor_zero(test, block, fitted, done);
   }
@@ -138,7 +138,7 @@ TestFit evaluate_fit(const PreparedTest& test, const AxisLaw* law) {
     one.note = cycle.note;
     one.amplitude = cycle.amplitude;
     one.measured = cycle.measured;
-    if (law != nullptr) {
+    if (modelled) {
       one.fitted = loop_measures(test.displacement, fitted, fitted, cycle.span, test.frequency);
       if (cycle.open) one.fitted = {.effective_stiffness = one.fitted.effective_stiffness};
       ErrorSums sums;
@@ -156,7 +156,7 @@ TestFit evaluate_fit(const PreparedTest& test, const AxisLaw* law) {
     }
     result.per_cycle.push_back(std::move(one));
   }
-  if (law != nullptr && all.count > 0.0) {
+  if (modelled && all.count > 0.0) {
     result.nrmse = all.nrmse();
     result.r_squared = all.r_squared();
     draw_curve(test, fitted, result.curve);

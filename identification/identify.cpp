@@ -163,7 +163,9 @@ IdentifyResult identify(const RigRecord& rig, const IdentifyOptions& options, co
   report_progress(progress, (1.0 + k_num_axes) / (2.0 + k_num_axes), "comparing fit and measurement");
   for (const PreparedTest& test : tests) {
     const auto& axis = axes[static_cast<std::size_t>(index_of(test.source->axis))];
-    result.fit.tests.push_back(evaluate_fit(test, axis && test.unusable.empty() ? &axis->law : nullptr));
+    const bool fitted = axis && test.unusable.empty();
+    result.fit.tests.push_back(
+        evaluate_fit(test, fitted ? replay(axis->law, test.time, test.displacement) : std::vector<double>{}));
   }
   return result;
 }

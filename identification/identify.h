@@ -13,6 +13,7 @@ struct IdentifyOptions {
 struct IdentifyResult {
   Bushing bushing;
   FitRecord fit;
+  std::vector<Bushing> draws;  ///< whole physical bushings, as likely as the fitted one in the light of the data
 };
 
 /// Fits one axis law per tested axis to all its tests together (DESIGN 5). Axes without a test get no law and a

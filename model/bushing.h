@@ -21,7 +21,7 @@ inline constexpr std::array<const char*, k_num_axes> k_axis_names{"x", "y", "z",
 /// Friction stop (Jenkins element, Prandtl-Ishlinskii operator): a spring that slips at |deflection| = yield.
 struct FrictionStop {
   double stiffness = 0.0;  ///< N/m or N m/rad, >= 0
-  double yield = 0.0;      ///< m or rad, > 0
+  double yield = 0.0;      ///< m or rad, > 0, at displacement 0 (see AxisLaw::yield_growth)
 };
 
 /// Spring and damper in series.
@@ -42,6 +42,9 @@ struct ValidRange {
 struct AxisLaw {
   SpringSpline spring;
   std::vector<FrictionStop> stops;
+  /// 1/m^2 or 1/rad^2, >= 0: at displacement x every stop slips at yield * (1 + yield_growth x^2), which thickens the
+  /// loop towards its ends. Scaling the yield, not the force, keeps the law passive (I 1).
+  double yield_growth = 0.0;
   std::vector<MaxwellBranch> branches;
   double viscous = 0.0;  ///< N s/m or N m s/rad, >= 0
   std::optional<ValidRange> valid;

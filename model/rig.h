@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -24,6 +25,28 @@ struct SensorCalibration {
 /// Largest |calibrated - reference| of the calibration record over the reference's full scale; 0 without a record.
 [[nodiscard]] double calibration_residual(const SensorCalibration& calibration);
 
+/// What a rig file may ask to be put right (`corrections` of the file or of one test). Nothing of it is done unasked.
+enum class CorrectionKind {
+  swap_columns,         ///< "swap_columns": the two columns carry each other's quantity (same unit only by chance)
+  reverse_force,        ///< "reverse_force": the load cell counts the other way
+  remove_backlash,      ///< "remove_backlash": play of the fixture, estimated from the loops, is taken out
+  remove_creep,         ///< "remove_creep": wandering of the cycles' middle (log-time) is taken out of displacement
+  remove_conditioning,  ///< "remove_conditioning": decay of the force range over cycles (Mullins, self-heating) is
+                        ///< undone
+  segment_at_jumps      ///< "segment_at_jumps": the record is cut at jumps of time or phase, and its parts are used
+};
+inline constexpr std::array<const char*, 6> k_correction_names{
+    "swap_columns", "reverse_force", "remove_backlash", "remove_creep", "remove_conditioning", "segment_at_jumps"};
+[[nodiscard]] inline const char* name_of(CorrectionKind kind) {
+  return k_correction_names[static_cast<std::size_t>(kind)];
+}
+
+/// Softening of the specimen with temperature: force at the reference = force / (1 + stiffness_change (T - T_ref)).
+struct ThermalCorrection {
+  double stiffness_change = 0.0;       ///< 1/K, usually < 0
+  double reference_temperature = 0.0;  ///< K
+};
+
 /// One test of a campaign as read: SI units, calibrated, in file order, nothing corrected yet.
 struct RigTest {
   std::string name;
@@ -37,9 +60,11 @@ struct RigTest {
   std::optional<int> discard_cycles;  ///< asked for by the file; absent = decided from the data
   std::vector<double> time;           ///< s; built from rate or frequency when the file has none (see time_measured)
   bool time_measured = false;
-  std::vector<double> displacement;  ///< m or rad; mean of the LVDTs when there are two
-  std::vector<double> force;         ///< N or N m
-  std::vector<double> tilt;          ///< half difference of two LVDTs [m]; empty with one
+  std::vector<double> displacement;         ///< m or rad; mean of the LVDTs when there are two
+  std::vector<double> force;                ///< N or N m
+  std::vector<double> tilt;                 ///< half difference of two LVDTs [m]; empty with one
+  std::vector<double> temperature;          ///< K of the specimen; empty without a temperature_* column
+  std::vector<CorrectionKind> corrections;  ///< asked for by the file for all tests or for this one
 };
 
 /// A measurement campaign on one specimen (rig.json + CSV files).
@@ -48,8 +73,12 @@ struct RigRecord {
   std::string specimen;
   bool synthetic = false;  ///< generated data; `synthetic_note` says seed and generator
   std::string synthetic_note;
-  int bushings_in_series = 1;                           ///< displacement measured across this many bushings
-  double rig_compliance = 0.0;                          ///< m/N, in series with the specimen
+  int bushings_in_series = 1;           ///< displacement measured across this many bushings
+  double rig_compliance = 0.0;          ///< m/N, in series with the specimen (x, y, z)
+  double rig_angular_compliance = 0.0;  ///< rad/(N m), in series with the specimen (rx, ry, rz)
+  double moving_mass = 0.0;             ///< kg between specimen and load cell, moving with the displacement (x, y, z)
+  double moving_inertia = 0.0;  ///< kg m^2 between specimen and torque cell, turning with the angle (rx, ry, rz)
+  std::optional<ThermalCorrection> thermal;             ///< needs a temperature column in every test
   std::vector<SensorCalibration> displacement_sensors;  ///< empty = columns found by name
   std::optional<SensorCalibration> force_sensor;
   std::vector<RigTest> tests;
