@@ -22,6 +22,29 @@ template <typename T, typename Yield>
   }
 }
 
+/// By what factor the yields of an axis have grown at displacement x: 1 + b x^2, b = AxisLaw::yield_growth >= 0 (I 1).
+/// A step to x slips at its end: z <- advance_stop(z, dx, yield * yield_scale(b, x)). x is the displacement that the
+/// axis' spring sees. Passive for any path: a shrinking yield only discards stored energy. T, B: double, ceres::Jet or
+/// an Eigen array.
+template <typename B, typename T>
+[[nodiscard]] inline auto yield_scale(const B& growth, const T& x) {
+  if constexpr (requires { x.square(); }) {
+    return T(1.0 + growth * x.square());
+  } else {
+    return 1.0 + growth * x * x;
+  }
+}
+
+/// Energy that a stop turns into heat over a step [J], >= 0: it slips by (z + dx) - z_next at the mean of the yields
+/// before and after, so that work = growth of storage + loss holds with the trapezoid of the force over every sliding
+/// step; exact for a constant yield, of second order in the step for one that grows.
+template <typename T, typename Yield>
+[[nodiscard]] inline T stop_dissipation(double stiffness, const T& z, const T& next_z, const T& dx,
+                                        const Yield& yield_before, const Yield& yield_after) {
+  using std::abs;
+  return T(0.5 * stiffness * (yield_before + yield_after) * abs(dx - (next_z - z)));
+}
+
 /// Constants of a Maxwell branch for one step of length h: force' = decay * force + gain * dx, exact for a constant
 /// rate.
 struct MaxwellStep {

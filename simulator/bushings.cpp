@@ -126,61 +126,90 @@ struct BlockEnergy {
   Lanes stored = Lanes::Zero(), power = Lanes::Zero(), step_loss = Lanes::Zero();
 };
 
-/// Restoring force of one axis for eight joints, its memory moved on by the step.
+/// One axis of eight joints over a step from `before` to `after`, whose rows it writes.
 struct AxisStep {
   const CompiledAxis& axis;
   const std::vector<MaxwellStep>& branch_step;  ///< one per branch of the axis
-  double share;                                 ///< 1 / bushings in series
+  const History& before;
+  History& after;
+  int joint;  ///< the first of the eight
   double h;
   bool memory;
 };
 
-Lanes axis_force(const AxisStep& step, const History& before, History& after, int i, const Lanes& x, const Lanes& dx,
-                 const Lanes& rate, Lanes& stiffness, Lanes& damping, BlockEnergy& energy) {
+struct AxisForce {
+  Lanes force, stiffness, damping;  ///< restoring force, its dynamic tangents
+};
+
+/// Yields of an axis over those at displacement 0, when the step begins and when it ends: 1, or lanes of their own.
+template <typename Scale>
+struct YieldScales {
+  Scale before, after;
+};
+
+template <typename Scale>
+void add_stops(const AxisStep& step, const Lanes& dx, const YieldScales<Scale>& scales, AxisForce& sum,
+               BlockEnergy& energy) {
+  for (std::size_t s = 0; s < step.axis.stops.size(); ++s) {
+    const int row = step.axis.first_stop + static_cast<int>(s);
+    const double k = step.axis.stops[s].stiffness, yield = step.axis.stops[s].yield;
+    const Scale yield_before = yield * scales.before, yield_after = yield * scales.after;
+    const Lanes old = load(step.before.stop[row] + step.joint);
+    const Lanes moved = advance_stop(old, dx, yield_after);
+    store(step.after.stop[row] + step.joint, moved);
+    sum.force += k * moved;
+    sum.stiffness += k;
+    energy.stored += 0.5 * k * moved.square();
+    energy.step_loss += stop_dissipation(k, old, moved, dx, yield_before, yield_after);
+  }
+}
+
+/// Stops whose yields grow with the displacement. A yield that shrinks faster than the displacement returns drags the
+/// stop with it: its tangent is k |dr/dx| then, more than k.
+void add_growing_stops(const AxisStep& step, const Lanes& x, const Lanes& dx, AxisForce& sum, BlockEnergy& energy) {
+  const double growth = step.axis.yield_growth;
+  add_stops<Lanes>(step, dx, {yield_scale(growth, Lanes(x - dx)), yield_scale(growth, x)}, sum, energy);
+  const Lanes scale_slope = 2.0 * growth * x.abs();
+  for (const FrictionStop& stop : step.axis.stops) {
+    sum.stiffness += stop.stiffness * (stop.yield * scale_slope - 1.0).max(0.0);
+  }
+}
+
+void add_branches(const AxisStep& step, const Lanes& dx, AxisForce& sum, BlockEnergy& energy) {
+  for (std::size_t m = 0; m < step.axis.branches.size(); ++m) {
+    const int row = step.axis.first_branch + static_cast<int>(m);
+    const MaxwellBranch& branch = step.axis.branches[m];
+    const MaxwellStep& constants = step.branch_step[m];
+    const Lanes old = load(step.before.branch[row] + step.joint);
+    const Lanes moved = constants.decay * old + constants.gain * dx;
+    store(step.after.branch[row] + step.joint, moved);
+    sum.force += moved;
+    sum.stiffness += constants.gain;
+    energy.stored += moved.square() / (2.0 * branch.stiffness);
+    if (step.h > 0.0) energy.step_loss += maxwell_dissipation(branch, constants, old, moved, dx, step.h);
+  }
+}
+
+/// Restoring force of one axis for eight joints, its memory moved on by the step.
+AxisForce axis_force(const AxisStep& step, const Lanes& x, const Lanes& dx, const Lanes& rate, BlockEnergy& energy) {
   const CompiledAxis& axis = step.axis;
   const SpringLanes spring = evaluate_spring(axis.spring, x);
-  Lanes force = spring.force;
-  stiffness = spring.slope;
-  double viscous = axis.viscous;
+  AxisForce sum{spring.force, spring.slope, Lanes::Constant(axis.viscous)};
   energy.stored += spring.energy;
-  if (step.memory) {
-    for (std::size_t s = 0; s < axis.stops.size(); ++s) {
-      const int row = axis.first_stop + static_cast<int>(s);
-      const double k = axis.stops[s].stiffness, yield = axis.stops[s].yield;
-      const Lanes old = load(before.stop[row] + i);
-      const Lanes moved = advance_stop(old, dx, yield);
-      store(after.stop[row] + i, moved);
-      force += k * moved;
-      stiffness += k;
-      energy.stored += 0.5 * k * moved.square();
-      energy.step_loss += (k * yield) * (dx - (moved - old)).abs();
-    }
-    for (std::size_t m = 0; m < axis.branches.size(); ++m) {
-      const int row = axis.first_branch + static_cast<int>(m);
-      const double k = axis.branches[m].stiffness;
-      const MaxwellStep& constants = step.branch_step[m];
-      const Lanes old = load(before.branch[row] + i);
-      const Lanes moved = constants.decay * old + constants.gain * dx;
-      store(after.branch[row] + i, moved);
-      force += moved;
-      stiffness += constants.gain;
-      energy.stored += moved.square() / (2.0 * k);
-      if (step.h > 0.0) {
-        energy.step_loss += maxwell_dissipation(axis.branches[m], constants, old, moved, dx, step.h);
-      }
-    }
-  } else {
+  if (!step.memory) {
     constexpr double k_assembly_damping_time = 4e-5;  // s; damper of the relaxed rubber, c = time * tangent
-    const Lanes c = k_assembly_damping_time * spring.slope;
-    force += c * rate;
-    damping = c;
-    energy.power += c * rate.square();
-    return force;
+    sum.damping = k_assembly_damping_time * spring.slope;
+  } else {
+    if (axis.yield_growth > 0.0) {
+      add_growing_stops(step, x, dx, sum, energy);
+    } else {
+      add_stops<double>(step, dx, {1.0, 1.0}, sum, energy);
+    }
+    add_branches(step, dx, sum, energy);
   }
-  force += viscous * rate;
-  damping = Lanes::Constant(viscous);
-  energy.power += viscous * rate.square();
-  return force;
+  sum.force += sum.damping * rate;
+  energy.power += sum.damping * rate.square();
+  return sum;
 }
 
 /// Force on link i+1 at the pin and moments on both links from the generalised forces, all in W.
@@ -227,14 +256,14 @@ void track_bushings(const CompiledTrack& track, const AssemblyKnobs& knobs, cons
       const auto axis = static_cast<std::size_t>(a);
       const double free = a == index_of(Axis::ry) ? track.free_twist : 0.0;
       const Lanes moved = k.deflection[axis] - load(before.deflection[a] + i);
-      Lanes stiffness, damping;
-      const AxisStep step{track.bushing[axis], branch_steps[axis], share, h, knobs.rubber_memory};
-      force[axis] = scale * axis_force(step, before, state.history, i, share * (k.deflection[axis] - free),
-                                       share * moved, share * k.rate[axis], stiffness, damping, energy);
+      const AxisStep step{track.bushing[axis], branch_steps[axis], before, state.history, i, h, knobs.rubber_memory};
+      const AxisForce sum =
+          axis_force(step, share * (k.deflection[axis] - free), share * moved, share * k.rate[axis], energy);
+      force[axis] = scale * sum.force;
       store(work.deflection[a] + i, k.deflection[axis]);
       store(state.history.deflection[a] + i, k.deflection[axis]);
-      store(work.joint_stiffness[a] + i, (scale * share) * stiffness);
-      store(work.joint_damping[a] + i, (scale * share) * damping);
+      store(work.joint_stiffness[a] + i, (scale * share) * sum.stiffness);
+      store(work.joint_damping[a] + i, (scale * share) * sum.damping);
     }
     store_wrench(k, force, i, work);
     const Lanes mask = (scale / share) * lane_mask(track.num_links - first);

@@ -88,6 +88,7 @@ CompiledAxis compile_axis(const AxisLaw& law, int& stop_row, int& branch_row) {
   CompiledAxis axis;
   axis.spring = compile_spring(law.spring);
   axis.stops = law.stops;
+  axis.yield_growth = law.yield_growth;
   axis.branches = law.branches;
   axis.viscous = law.viscous;
   axis.first_stop = stop_row;

@@ -27,6 +27,7 @@ struct CompiledAxis {
   CompiledSpring spring;
   std::vector<FrictionStop> stops;
   std::vector<MaxwellBranch> branches;
+  double yield_growth = 0.0;  ///< 1/m^2 or 1/rad^2
   double viscous = 0.0;
   int first_stop = 0;    ///< row of the first stop in History::stop
   int first_branch = 0;  ///< row of the first branch in History::branch
