@@ -1,6 +1,8 @@
 #include "model/fit.h"
 
 #include <limits>
+#include <tuple>
+#include <utility>
 
 #include "model/file_json.h"
 
@@ -46,6 +48,9 @@ void put_measures(Json& object, const LoopMeasures& measures, const FitKeys& key
   object["dissipated_energy_J"] = measures.dissipated_energy;
   object["equivalent_damping_" + keys.damping] = measures.equivalent_damping;
   object["loss_factor"] = measures.loss_factor;
+  object["secant_stiffness_" + keys.stiffness] = measures.secant_stiffness;
+  object["storage_stiffness_" + keys.stiffness] = measures.storage_stiffness;
+  object["loss_stiffness_" + keys.stiffness] = measures.loss_stiffness;
 }
 
 Json measures_json(const LoopMeasures& measures, const FitKeys& keys) {
@@ -55,8 +60,13 @@ Json measures_json(const LoopMeasures& measures, const FitKeys& keys) {
 }
 
 LoopMeasures read_measures(ObjectReader& r, const FitKeys& keys) {
-  return {number_or_null(r, "effective_stiffness_" + keys.stiffness), number_or_null(r, "dissipated_energy_J"),
-          number_or_null(r, "equivalent_damping_" + keys.damping), number_or_null(r, "loss_factor")};
+  return {number_or_null(r, "effective_stiffness_" + keys.stiffness),
+          number_or_null(r, "dissipated_energy_J"),
+          number_or_null(r, "equivalent_damping_" + keys.damping),
+          number_or_null(r, "loss_factor"),
+          number_or_null(r, "secant_stiffness_" + keys.stiffness),
+          number_or_null(r, "storage_stiffness_" + keys.stiffness),
+          number_or_null(r, "loss_stiffness_" + keys.stiffness)};
 }
 
 Json cycle_json(const CycleFit& cycle, const FitKeys& keys) {
@@ -93,6 +103,11 @@ Json test_json(const TestFit& test) {
   put_measures(json, test.measured, keys);
   json["nrmse"] = test.nrmse;
   json["r_squared"] = test.r_squared;
+  json["gain"] = test.gain;
+  json["weight"] = test.weight;
+  json["force_zero_" + keys.force] = test.force_zero;
+  json["force_drift_" + keys.force] = test.force_drift;
+  json["left_out_nrmse"] = test.left_out_nrmse;
   json["fitted"] = measures_json(test.fitted, keys);
   json["per_cycle"] = Json::array();
   for (const CycleFit& cycle : test.per_cycle) json["per_cycle"].push_back(cycle_json(cycle, keys));
@@ -121,6 +136,11 @@ TestFit read_test(ObjectReader& r) {
   test.measured = read_measures(r, keys);
   test.nrmse = number_or_null(r, "nrmse");
   test.r_squared = number_or_null(r, "r_squared");
+  test.gain = number_or_null(r, "gain");
+  test.weight = number_or_null(r, "weight");
+  test.force_zero = number_or_null(r, "force_zero_" + keys.force);
+  test.force_drift = number_or_null(r, "force_drift_" + keys.force);
+  test.left_out_nrmse = number_or_null(r, "left_out_nrmse");
   r.object("fitted", [&](ObjectReader& f) { test.fitted = read_measures(f, keys); });
   r.each("per_cycle", 0, [&](ObjectReader& c) { test.per_cycle.push_back(read_cycle(c, keys)); });
   r.optional_object("curve", [&](ObjectReader& c) {
@@ -154,30 +174,128 @@ std::vector<BandPoint> read_band(ObjectReader& r, const FitKeys& keys, const std
   return band;
 }
 
+Json interval_json(const Interval& interval) {
+  return Json{{"value", interval.value}, {"interval_95", Json::array({interval.low, interval.high})}};
+}
+
+/// The two ends of `interval_95`; the value itself where they are missing.
+std::pair<double, double> read_ends(ObjectReader& r, double value) {
+  const std::vector<double> ends = numbers_or_nulls(r, "interval_95");
+  if (ends.size() == 2) return {ends.front(), ends.back()};
+  if (!ends.empty()) r.report("interval_95", "two numbers", std::to_string(ends.size()));
+  return {value, value};
+}
+
+Interval read_interval(ObjectReader& r, const std::string& key) {
+  Interval interval;
+  r.object(key, [&](ObjectReader& i) {
+    interval.value = number_or_null(i, "value");
+    std::tie(interval.low, interval.high) = read_ends(i, interval.value);
+  });
+  return interval;
+}
+
+Json response_json(const ResponsePoint& response, const FitKeys& keys) {
+  Json json = Json::object();
+  json["amplitude_" + keys.displacement] = response.amplitude;
+  json["frequency_Hz"] = response.frequency;
+  json["dissipated_energy_J"] = interval_json(response.energy);
+  json["storage_stiffness_" + keys.stiffness] = interval_json(response.storage_stiffness);
+  json["loss_stiffness_" + keys.stiffness] = interval_json(response.loss_stiffness);
+  json["loss_factor"] = interval_json(response.loss_factor);
+  return json;
+}
+
+ResponsePoint read_response(ObjectReader& r, const FitKeys& keys) {
+  ResponsePoint response;
+  response.amplitude = number_or_null(r, "amplitude_" + keys.displacement);
+  response.frequency = number_or_null(r, "frequency_Hz");
+  response.energy = read_interval(r, "dissipated_energy_J");
+  response.storage_stiffness = read_interval(r, "storage_stiffness_" + keys.stiffness);
+  response.loss_stiffness = read_interval(r, "loss_stiffness_" + keys.stiffness);
+  response.loss_factor = read_interval(r, "loss_factor");
+  return response;
+}
+
+Json candidate_json(const LawCandidate& candidate) {
+  return Json{{"spring_intervals", candidate.spring_intervals},
+              {"stops", candidate.stops},
+              {"branches", candidate.branches},
+              {"strain_dependent_yield", candidate.strain_dependent_yield},
+              {"left_out_error", candidate.left_out_error},
+              {"chosen", candidate.chosen}};
+}
+
+LawCandidate read_candidate(ObjectReader& r) {
+  LawCandidate candidate;
+  candidate.spring_intervals = static_cast<int>(r.integer("spring_intervals", 0));
+  candidate.stops = static_cast<int>(r.integer("stops", 0));
+  candidate.branches = static_cast<int>(r.integer("branches", 0));
+  candidate.strain_dependent_yield = r.boolean_or("strain_dependent_yield", false);
+  candidate.left_out_error = number_or_null(r, "left_out_error");
+  candidate.chosen = r.boolean_or("chosen", false);
+  return candidate;
+}
+
+/// Clearance, hard stops and preset: what the data show of the joint beside its rubber.
+void put_joint(Json& json, const AxisFit& axis, const FitKeys& keys) {
+  const std::string& unit = keys.displacement;
+  if (const auto& play = axis.clearance) {
+    json["clearance"] =
+        Json{{"low_" + unit, play->low}, {"high_" + unit, play->high}, {"stiffness_ratio", play->stiffness_ratio}};
+  }
+  json["hard_stops"] = Json::array();
+  for (const HardStop& stop : axis.hard_stops) {
+    json["hard_stops"].push_back(Json{{"at_" + unit, stop.at}, {"stiffness_ratio", stop.stiffness_ratio}});
+  }
+  json["preset_" + unit] = axis.preset;
+}
+
+void read_joint(ObjectReader& r, AxisFit& axis, const FitKeys& keys) {
+  const std::string& unit = keys.displacement;
+  r.optional_object("clearance", [&](ObjectReader& c) {
+    axis.clearance = Clearance{number_or_null(c, "low_" + unit), number_or_null(c, "high_" + unit),
+                               number_or_null(c, "stiffness_ratio")};
+  });
+  r.each("hard_stops", 0, [&](ObjectReader& s) {
+    axis.hard_stops.push_back({number_or_null(s, "at_" + unit), number_or_null(s, "stiffness_ratio")});
+  });
+  axis.preset = number_or_null(r, "preset_" + unit);
+}
+
+Json parameter_json(const FitParameter& p) {
+  return Json{{"name", p.name},
+              {"unit", p.unit},
+              {"value", p.value},
+              {"standard_error", p.standard_error},
+              {"interval_95", Json::array({p.low, p.high})},
+              {"identified", p.identified}};
+}
+
+Json solver_json(const SolverSummary& solver) {
+  return Json{{"termination", solver.termination},   {"iterations", solver.iterations},
+              {"initial_cost", solver.initial_cost}, {"final_cost", solver.final_cost},
+              {"kkt_residual", solver.kkt_residual}, {"starts", solver.starts}};
+}
+
 Json axis_json(const AxisFit& axis) {
   const FitKeys& keys = keys_of(axis.axis);
-  Json parameters = Json::array();
-  for (const FitParameter& p : axis.parameters) {
-    parameters.push_back(Json{{"name", p.name},
-                              {"unit", p.unit},
-                              {"value", p.value},
-                              {"standard_error", p.standard_error},
-                              {"interval_95", Json::array({p.low, p.high})},
-                              {"identified", p.identified}});
-  }
-  const SolverSummary& solver = axis.solver;
+  Json parameters = Json::array(), responses = Json::array(), selection = Json::array();
+  for (const FitParameter& p : axis.parameters) parameters.push_back(parameter_json(p));
+  for (const ResponsePoint& response : axis.responses) responses.push_back(response_json(response, keys));
+  for (const LawCandidate& candidate : axis.selection) selection.push_back(candidate_json(candidate));
   Json json{{"parameters", parameters},
             {"covariance", axis.covariance},
             {"condition_number", axis.condition_number},
             {"not_identified", axis.not_identified},
-            {"solver", Json{{"termination", solver.termination},
-                            {"iterations", solver.iterations},
-                            {"initial_cost", solver.initial_cost},
-                            {"final_cost", solver.final_cost},
-                            {"kkt_residual", solver.kkt_residual}}},
+            {"solver", solver_json(axis.solver)},
+            {"selection", selection},
             {"backbone", band_json(axis.backbone, keys, "force_" + keys.force)},
             {"tangent", band_json(axis.tangent, keys, "stiffness_" + keys.stiffness)}};
   json["tangent_window_" + keys.displacement] = axis.tangent_window;
+  json["responses"] = responses;
+  put_joint(json, axis, keys);
+  json["draws"] = axis.draws;
   return json;
 }
 
@@ -187,9 +305,7 @@ FitParameter read_parameter(ObjectReader& r) {
   p.unit = r.text("unit");
   p.value = number_or_null(r, "value");
   p.standard_error = number_or_null(r, "standard_error");
-  const std::vector<double> interval = numbers_or_nulls(r, "interval_95");
-  p.low = interval.empty() ? p.value : interval.front();
-  p.high = interval.empty() ? p.value : interval.back();
+  std::tie(p.low, p.high) = read_ends(r, p.value);
   p.identified = r.boolean_or("identified", true);
   return p;
 }
@@ -205,13 +321,20 @@ AxisFit read_axis(ObjectReader& r, Axis axis) {
   fit.condition_number = number_or_null(r, "condition_number");
   fit.not_identified = r.texts_or_none("not_identified");
   r.object("solver", [&](ObjectReader& s) {
-    fit.solver = {s.text("termination"), static_cast<int>(s.integer("iterations", 0)),
-                  number_or_null(s, "initial_cost"), number_or_null(s, "final_cost"),
-                  number_or_null(s, "kkt_residual")};
+    fit.solver = {s.text("termination"),
+                  static_cast<int>(s.integer("iterations", 0)),
+                  number_or_null(s, "initial_cost"),
+                  number_or_null(s, "final_cost"),
+                  number_or_null(s, "kkt_residual"),
+                  static_cast<int>(s.integer("starts", 0))};
   });
   r.object("backbone", [&](ObjectReader& b) { fit.backbone = read_band(b, keys, "force_" + keys.force); });
   r.object("tangent", [&](ObjectReader& t) { fit.tangent = read_band(t, keys, "stiffness_" + keys.stiffness); });
   fit.tangent_window = number_or_null(r, "tangent_window_" + keys.displacement);
+  r.each("responses", 0, [&](ObjectReader& p) { fit.responses.push_back(read_response(p, keys)); });
+  r.each("selection", 0, [&](ObjectReader& c) { fit.selection.push_back(read_candidate(c)); });
+  read_joint(r, fit, keys);
+  fit.draws = static_cast<int>(r.integer("draws", 0));
   return fit;
 }
 
@@ -231,6 +354,9 @@ FitRecord read_record(ObjectReader& r) {
   r.each("warnings", 0, [&](ObjectReader& w) {
     fit.warnings.push_back({w.text("code"), w.text_or("test", ""), w.text("text")});
   });
+  r.each("corrections", 0, [&](ObjectReader& c) {
+    fit.corrections.push_back({c.text("code"), c.text_or("test", ""), c.text("text")});
+  });
   fit.provenance = read_provenance(r);
   return fit;
 }
@@ -244,11 +370,14 @@ FitRecord read_fit(const std::filesystem::path& file) {
 }
 
 void write_fit(const FitRecord& fit, const std::filesystem::path& file) {
-  Json tests = Json::array(), axes = Json::object(), warnings = Json::array();
+  Json tests = Json::array(), axes = Json::object(), warnings = Json::array(), corrections = Json::array();
   for (const TestFit& test : fit.tests) tests.push_back(test_json(test));
   for (const AxisFit& axis : fit.axes) axes[name_of(axis.axis)] = axis_json(axis);
   for (const FitWarning& w : fit.warnings) {
     warnings.push_back(Json{{"code", w.code}, {"test", w.test}, {"text", w.text}});
+  }
+  for (const AppliedCorrection& c : fit.corrections) {
+    corrections.push_back(Json{{"code", c.code}, {"test", c.test}, {"text", c.text}});
   }
   write_whole(file, json_text(Json{{"format", k_fit_format},
                                    {"specimen", fit.specimen},
@@ -258,6 +387,7 @@ void write_fit(const FitRecord& fit, const std::filesystem::path& file) {
                                    {"tests", tests},
                                    {"axes", axes},
                                    {"warnings", warnings},
+                                   {"corrections", corrections},
                                    {"provenance", provenance_json(fit.provenance)}}));
 }
 

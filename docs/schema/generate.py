@@ -41,6 +41,10 @@ def point(size=3):
     return {"type": "array", "items": NUMBER, "minItems": size, "maxItems": size}
 
 
+def pair_of_open_numbers():
+    return {"type": "array", "items": OPEN_NUMBER, "minItems": 2, "maxItems": 2}
+
+
 def positive_point():
     return {"type": "array", "items": POSITIVE, "minItems": 3, "maxItems": 3}
 
@@ -156,7 +160,9 @@ BUSHING = document("bushing", "Restoring law of a track bushing on six axes", na
 def measures(turning):
     stiffness, damping = ("N_m_per_rad", "N_m_s_per_rad") if turning else ("N_per_m", "N_s_per_m")
     return {f"effective_stiffness_{stiffness}": OPEN_NUMBER, "dissipated_energy_J": OPEN_NUMBER,
-            f"equivalent_damping_{damping}": OPEN_NUMBER, "loss_factor": OPEN_NUMBER}
+            f"equivalent_damping_{damping}": OPEN_NUMBER, "loss_factor": OPEN_NUMBER,
+            f"secant_stiffness_{stiffness}": OPEN_NUMBER, f"storage_stiffness_{stiffness}": OPEN_NUMBER,
+            f"loss_stiffness_{stiffness}": OPEN_NUMBER}
 
 
 def fit_test(turning):
@@ -168,8 +174,10 @@ def fit_test(turning):
     axes = [a for a in AXES if a.startswith("r") == turning]
     return record(name=TEXT, axis=one_of(*axes), kind=one_of("static", "cyclic"), samples=whole(0), cycles=whole(0),
                   cycles_used=whole(0), frequency_Hz=OPEN_NUMBER, nrmse=OPEN_NUMBER, r_squared=OPEN_NUMBER,
+                  gain=OPEN_NUMBER, weight=OPEN_NUMBER, left_out_nrmse=OPEN_NUMBER,
                   fitted=record(**measures(turning)), per_cycle=list_of(cycle), curve_=curve,
-                  **{f"amplitude_{length}": OPEN_NUMBER}, **measures(turning))
+                  **{f"amplitude_{length}": OPEN_NUMBER, f"force_zero_{force}": OPEN_NUMBER,
+                     f"force_drift_{force}": OPEN_NUMBER}, **measures(turning))
 
 
 def fit_axis(turning):
@@ -179,20 +187,32 @@ def fit_axis(turning):
         return record(**{f"displacement_{length}": OPEN_NUMBERS, quantity: OPEN_NUMBERS}, low_95=OPEN_NUMBERS,
                       high_95=OPEN_NUMBERS)
 
-    parameter = record(name=TEXT, unit=TEXT, value=OPEN_NUMBER, standard_error=OPEN_NUMBER, interval_95=OPEN_NUMBERS,
+    parameter = record(name=TEXT, unit=TEXT, value=OPEN_NUMBER, standard_error=OPEN_NUMBER,
+                       interval_95=pair_of_open_numbers(),
                        identified_=BOOLEAN)
     solver = record(termination=TEXT, iterations=whole(0), initial_cost=OPEN_NUMBER, final_cost=OPEN_NUMBER,
-                    kkt_residual=OPEN_NUMBER)
+                    kkt_residual=OPEN_NUMBER, starts=whole(0))
+    interval = record(value=OPEN_NUMBER, interval_95=pair_of_open_numbers())
+    response = record(frequency_Hz=OPEN_NUMBER, dissipated_energy_J=interval, loss_factor=interval,
+                      **{f"amplitude_{length}": OPEN_NUMBER, f"storage_stiffness_{stiffness}": interval,
+                         f"loss_stiffness_{stiffness}": interval})
+    candidate = record(spring_intervals=whole(0), stops=whole(0), branches=whole(0), strain_dependent_yield_=BOOLEAN,
+                       left_out_error=OPEN_NUMBER, chosen_=BOOLEAN)
+    clearance = record(**{f"low_{length}": OPEN_NUMBER, f"high_{length}": OPEN_NUMBER}, stiffness_ratio=OPEN_NUMBER)
+    hard_stop = record(**{f"at_{length}": OPEN_NUMBER}, stiffness_ratio=OPEN_NUMBER)
     return record(parameters=list_of(parameter), covariance_=list_of(OPEN_NUMBERS), condition_number=OPEN_NUMBER,
-                  not_identified_=TEXTS, solver=solver, backbone=band(f"force_{force}"),
-                  tangent=band(f"stiffness_{stiffness}"), **{f"tangent_window_{length}": OPEN_NUMBER})
+                  not_identified_=TEXTS, solver=solver, selection=list_of(candidate), backbone=band(f"force_{force}"),
+                  tangent=band(f"stiffness_{stiffness}"), responses=list_of(response), clearance_=clearance,
+                  hard_stops=list_of(hard_stop), draws=whole(0),
+                  **{f"tangent_window_{length}": OPEN_NUMBER, f"preset_{length}": OPEN_NUMBER})
 
 
 FIT = document("fit", "How a bushing is known: tests, parameters, uncertainty", specimen=TEXT, synthetic_=BOOLEAN,
                synthetic_note_=TEXT, calibration_residual=OPEN_NUMBER,
                tests=list_of({"oneOf": [fit_test(False), fit_test(True)]}),
                axes=record(**{axis + "_": fit_axis(axis.startswith("r")) for axis in AXES}),
-               warnings=list_of(record(code=TEXT, test_=TEXT, text=TEXT)), provenance_=PROVENANCE)
+               warnings=list_of(record(code=TEXT, test_=TEXT, text=TEXT)),
+               corrections=list_of(record(code=TEXT, test_=TEXT, text=TEXT)), provenance_=PROVENANCE)
 
 # --- vehicle.json
 RESTITUTION = {"type": "number", "exclusiveMinimum": 0, "maximum": 1}

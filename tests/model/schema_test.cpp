@@ -70,6 +70,11 @@ const std::vector<Mutation>& mutations() {
       {"fit", "negative_count", [](Json& j) { j["tests"][0]["cycles"] = -1; }},
       {"fit", "measure_of_another_axis",
        [](Json& j) { rename(j["tests"][0], "effective_stiffness_N_per_m", "effective_stiffness_N_m_per_rad"); }},
+      {"fit", "one_sided_interval",
+       [](Json& j) { j["axes"]["x"]["responses"][0]["loss_factor"]["interval_95"] = {1.0}; }},
+      {"fit", "response_without_energy", [](Json& j) { j["axes"]["x"]["responses"][0].erase("dissipated_energy_J"); }},
+      {"fit", "correction_without_words", [](Json& j) { j["corrections"][0].erase("text"); }},
+      {"fit", "half_a_stop", [](Json& j) { j["axes"]["x"]["selection"][0]["stops"] = 0.5; }},
       {"fit", "no_solver", [](Json& j) { j["axes"]["x"].erase("solver"); }},
       {"run", "unknown_status", [](Json& j) { j["status"] = "finished"; }},
       {"run", "no_energy", [](Json& j) { j.erase("energy"); }},
@@ -85,7 +90,13 @@ FitRecord small_fit() {
   fit.tests[0].name = "t";
   fit.tests[0].per_cycle.resize(1);
   fit.axes.resize(1);
-  fit.axes[0].parameters.resize(1);
+  AxisFit& axis = fit.axes[0];
+  axis.parameters.resize(1);
+  axis.responses.resize(1);
+  axis.selection.resize(1);
+  axis.clearance.emplace();
+  axis.hard_stops.resize(1);
+  fit.corrections.push_back({"reverse_force", "t", "x"});
   return fit;
 }
 
