@@ -19,6 +19,7 @@ struct Series {
   SeriesStyle style = SeriesStyle::line;
   float width = 1.4f;          ///< CSS pixels
   std::optional<Rgb> color{};  ///< default: the palette by order
+  std::optional<int> hue{};    ///< entry of the palette to take instead of the one by order
 };
 
 /// Filled between low and high over x (interval bands).
@@ -26,6 +27,7 @@ struct Band {
   std::string name;
   std::vector<double> x, low, high;
   std::optional<Rgb> color{};
+  std::optional<int> hue{};  ///< as of a series
 };
 
 /// A labelled vertical or horizontal line ("71.6 Hz link passing").
@@ -60,5 +62,9 @@ enum class Theme { light, dark };
 
 /// Draws at `scale` device pixels a CSS pixel.
 [[nodiscard]] Image draw(const Figure& figure, Theme theme = Theme::light, double scale = 2.0);
+
+/// The same picture as an `<svg>` element for inside a page, in the page's own colours; `label` is its text
+/// alternative.
+[[nodiscard]] std::string draw_svg(const Figure& figure, const std::string& label);
 
 }  // namespace grouser

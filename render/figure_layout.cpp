@@ -240,11 +240,15 @@ bool place_legend_inside(const Canvas& canvas, PanelLayout& panel, float scale) 
 }  // namespace
 
 Rgb series_color(const Panel& panel, std::size_t series, const std::vector<Rgb>& palette) {
-  return panel.series[series].color.value_or(palette[series % palette.size()]);
+  const Series& one = panel.series[series];
+  return one.color.value_or(
+      palette[static_cast<std::size_t>(one.hue.value_or(static_cast<int>(series))) % palette.size()]);
 }
 
 Rgb band_color(const Panel& panel, std::size_t band, const std::vector<Rgb>& palette) {
-  return panel.bands[band].color.value_or(palette[band % palette.size()]);
+  const Band& one = panel.bands[band];
+  return one.color.value_or(
+      palette[static_cast<std::size_t>(one.hue.value_or(static_cast<int>(band))) % palette.size()]);
 }
 
 float legend_entry_width(const Canvas& canvas, const LegendEntry& entry, float scale) {
