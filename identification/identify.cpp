@@ -150,7 +150,9 @@ IdentifyResult identify(const RigRecord& rig, const IdentifyOptions& options, co
 
   report_progress(progress, 0.0, "cutting cycles");
   std::vector<PreparedTest> tests;
-  for (const RigTest& test : rig.tests) tests.push_back(prepare_test(test, rig, result.fit.warnings));
+  for (const RigTest& test : rig.tests) {
+    tests.push_back(prepare_test(test, rig, result.fit.warnings, result.fit.corrections));
+  }
   require_usable_data(rig, tests);
 
   const AxisResults axes = identify_axes(tests, options.threads, progress);

@@ -231,7 +231,8 @@ LoopMeasures loop_measures(const std::vector<double>& displacement, const std::v
   return measures;
 }
 
-PreparedTest prepare_test(const RigTest& test, const RigRecord& rig, std::vector<FitWarning>& warnings) {
+PreparedTest prepare_test(const RigTest& test, const RigRecord& rig, std::vector<FitWarning>& warnings,
+                          std::vector<AppliedCorrection>& /*corrections*/) {
   PreparedTest prepared;
   prepared.source = &test;
   prepared.force = test.force;

@@ -45,8 +45,10 @@ struct PreparedTest {
 /// Random part of one cycle's loop area [J]: force noise on every step of the displacement.
 [[nodiscard]] double energy_noise(const PreparedTest& test, const Cycle& cycle);
 
-/// Takes rig compliance and series bushings out, cuts cycles, measures them, decides which enter the fit; adds to
-/// `warnings` what the data show (drift, clipped sensor, swapped columns, reversed polarity, wrong frequency, ...).
-[[nodiscard]] PreparedTest prepare_test(const RigTest& test, const RigRecord& rig, std::vector<FitWarning>& warnings);
+/// Applies the corrections that the rig file asks for, cuts cycles, measures them, decides which enter the fit; adds to
+/// `warnings` what the data show (drift, clipped sensor, swapped columns, reversed polarity, wrong frequency, ...) and to
+/// `corrections` what was put right and by how much.
+[[nodiscard]] PreparedTest prepare_test(const RigTest& test, const RigRecord& rig, std::vector<FitWarning>& warnings,
+                                        std::vector<AppliedCorrection>& corrections);
 
 }  // namespace grouser

@@ -23,9 +23,11 @@ std::vector<std::string> codes(const std::vector<FitWarning>& warnings) {
 struct Prepared {
   RigRecord rig;
   std::vector<FitWarning> warnings;
+  std::vector<AppliedCorrection> corrections;
   PreparedTest test;
-  explicit Prepared(RigTest source)
-      : rig(record_of({std::move(source)})), test(prepare_test(rig.tests[0], rig, warnings)) {}
+  explicit Prepared(RigTest source) : Prepared(record_of({std::move(source)})) {}
+  explicit Prepared(RigRecord record)
+      : rig(std::move(record)), test(prepare_test(rig.tests[0], rig, warnings, corrections)) {}
 };
 
 RigTest loop() { return Bench().measure(Axis::x, "x_loop_0.2mm_1hz"); }
@@ -94,9 +96,7 @@ TEST(Diagnosis, TakesTheAmplitudeOfTheWholeColumnForRight) {
     test.amplitude = stated;
     RigRecord rig = record_of({test});
     rig.bushings_in_series = 2;
-    std::vector<FitWarning> warnings;
-    (void)prepare_test(rig.tests[0], rig, warnings);
-    EXPECT_THAT(codes(warnings), ::testing::IsEmpty()) << stated;
+    EXPECT_THAT(codes(Prepared(rig).warnings), ::testing::IsEmpty()) << stated;
   }
 }
 
@@ -223,8 +223,7 @@ TEST(Preparation, TakesRigComplianceAndSeriesBushingsOut) {
   RigRecord rig = record_of({test});
   rig.rig_compliance = 1.0e-9;
   rig.bushings_in_series = 2;
-  std::vector<FitWarning> warnings;
-  const PreparedTest prepared = prepare_test(rig.tests[0], rig, warnings);
+  const PreparedTest prepared = Prepared(rig).test;
   EXPECT_NEAR(prepared.cycles.back().amplitude, 1.0e-3, 1e-9);
   EXPECT_NEAR(prepared.cycles.back().measured.equivalent_damping, 1.0e5, 50.0);  // chords of 200 samples: 2e-4
 }
