@@ -28,6 +28,7 @@ double PortableRandom::normal() {
 }
 
 std::vector<MaxwellBranch> TrueRubber::springpot_series() const {
+  if (springpot == 0.0) return {};
   constexpr int per_decade = 8, first = -5 * per_decade, last = 4 * per_decade;
   const double spacing = std::numbers::ln10 / per_decade;
   const double scale = springpot / (std::tgamma(1.0 - springpot_order) * std::tgamma(springpot_order));
@@ -81,8 +82,9 @@ double RubberState::advance(double x, double h) {
     }
   }
   double force = rubber_.elastic(x);
+  const double growth = 1.0 + rubber_.yield_growth * x * x;
   for (std::size_t j = 0; j < deflection_.size(); ++j) {
-    deflection_[j] = advance_stop(deflection_[j], dx, rubber_.stops[j].yield);
+    deflection_[j] = advance_stop(deflection_[j], dx, rubber_.stops[j].yield * growth);
     force += rubber_.stops[j].stiffness * deflection_[j];
   }
   for (std::size_t k = 0; k < branches_.size(); ++k) {

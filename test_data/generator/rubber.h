@@ -24,8 +24,9 @@ struct TrueRubber {
   double k1 = 0.0, k3 = 0.0;  ///< monotone stiffening spring, N/m and N/m^3
   std::vector<FrictionStop> stops;
   std::vector<MaxwellBranch> branches;
-  double springpot = 0.0;        ///< C, N s^a / m
+  double springpot = 0.0;        ///< C, N s^a / m; 0: the rubber has none
   double springpot_order = 0.0;  ///< a, 0..1
+  double yield_growth = 0.0;     ///< b, 1/m^2: every stop slips at yield (1 + b x^2)
 
   /// The springpot as a Prony series (eight branches a decade over 1e-5..1e4 s): its power-law relaxation C t^-a /
   /// Gamma(1-a) is a continuous spectrum of Maxwell branches, cut where no test of the campaign can see.
