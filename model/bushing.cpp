@@ -11,25 +11,29 @@ namespace {
 
 /// What differs between a translational and a rotational axis: dimensions to read, units to write.
 struct AxisUnits {
-  Dimension displacement, force, stiffness, damping, rate;
-  std::string displacement_key, force_key, slope_key, stiffness_key, yield_key, viscous_key, amplitude_key, rate_key;
+  Dimension displacement, force, stiffness, damping, rate, growth;
+  std::string displacement_key, force_key, slope_key, stiffness_key, yield_key, growth_key, viscous_key, amplitude_key,
+      rate_key;
 };
 
 const AxisUnits& units_of(Axis axis) {
-  static const AxisUnits translation{dimension::length,     dimension::force,  dimension::stiffness, dimension::damping,
-                                     dimension::speed,      "displacement_mm", "force_kN",           "slope_kN_per_mm",
-                                     "stiffness_kN_per_mm", "yield_mm",        "viscous_N_s_per_m",  "amplitude_mm",
-                                     "rate_mm_per_s"};
+  static const AxisUnits translation{dimension::length,     dimension::force, dimension::stiffness,
+                                     dimension::damping,    dimension::speed, dimension::inverse_area,
+                                     "displacement_mm",     "force_kN",       "slope_kN_per_mm",
+                                     "stiffness_kN_per_mm", "yield_mm",       "friction_yield_growth_per_mm2",
+                                     "viscous_N_s_per_m",   "amplitude_mm",   "rate_mm_per_s"};
   static const AxisUnits rotation{dimension::angle,
                                   dimension::torque,
                                   dimension::angular_stiffness,
                                   dimension::angular_damping,
                                   dimension::angular_speed,
+                                  dimension::inverse_angle_squared,
                                   "angle_deg",
                                   "torque_N_m",
                                   "slope_N_m_per_rad",
                                   "stiffness_N_m_per_rad",
                                   "yield_deg",
+                                  "friction_yield_growth_per_rad2",
                                   "viscous_N_m_s_per_rad",
                                   "amplitude_deg",
                                   "rate_deg_per_s"};
@@ -119,6 +123,7 @@ AxisLaw read_axis(ObjectReader& r, const AxisUnits& units) {
   AxisLaw law;
   r.object("stiffness", [&](ObjectReader& s) { law.spring = read_spring(s, units); });
   r.each_optional("friction", [&](ObjectReader& f) { read_friction(f, units, law.stops); });
+  law.yield_growth = r.quantity_or("friction_yield_growth", units.growth, 0.0, Range::non_negative);
   r.each_optional("maxwell", [&](ObjectReader& m) {
     law.branches.push_back({m.quantity("stiffness", units.stiffness, Range::non_negative),
                             m.quantity("relaxation_time", dimension::time, Range::positive)});
@@ -159,6 +164,7 @@ Json axis_json(const AxisLaw& law, const AxisUnits& units) {
     put(item, units.stiffness_key, stop.stiffness);
     put(item, units.yield_key, stop.yield);
   }
+  if (law.yield_growth != 0.0) put(axis, units.growth_key, law.yield_growth);
   axis["maxwell"] = Json::array();
   for (const MaxwellBranch& branch : law.branches) {
     Json& item = axis["maxwell"].emplace_back(Json::object());

@@ -62,6 +62,7 @@ constexpr std::array k_atoms{
     Atom{"kW", scaled(d::power, 1e3)},
     Atom{"K", scaled(d::temperature, 1.0)},
     Atom{"degC", Unit{d::temperature, 1.0, 1.0, 273.15}},
+    Atom{"degF", Unit{d::temperature, 5.0, 9.0, 459.67}},
 };
 
 struct Named {
@@ -97,6 +98,10 @@ constexpr std::array k_names{
     Named{d::force / d::voltage, "force per volt", "kN_per_V"},
     Named{d::torque / d::voltage, "torque per volt", "N_m_per_V"},
     Named{d::area_per_pressure, "area per pressure", "m2_per_Pa"},
+    Named{d::angular_compliance, "angular compliance", "rad_per_N_m"},
+    Named{d::inverse_area, "inverse area", "per_mm2"},
+    Named{d::inverse_angle_squared, "inverse squared angle", "per_rad2"},
+    Named{d::inverse_temperature, "inverse temperature", "per_K"},
 };
 
 void multiply(Unit& product, const Unit& factor, bool divide) {
@@ -121,23 +126,23 @@ std::optional<std::pair<Unit, int>> parse_power(std::string_view text) {
 
 std::optional<Unit> parse_unit(std::string_view suffix) {
   Unit product;
-  bool divide = false, empty = true, after_per = false;
+  bool divide = false, after_per = false;
   for (std::size_t begin = 0; begin <= suffix.size();) {
     const std::size_t end = std::min(suffix.find('_', begin), suffix.size());
     const std::string_view part = suffix.substr(begin, end - begin);
     begin = end + 1;
     if (part == "per") {
-      if (empty || after_per) return std::nullopt;
+      if (after_per) return std::nullopt;
       divide = after_per = true;
       continue;
     }
     const auto factor = parse_power(part);
     if (!factor) return std::nullopt;
-    if (factor->first.offset != 0.0) {  // a temperature on the Celsius scale cannot be multiplied
-      return empty && factor->second == 1 && end == suffix.size() ? std::optional(factor->first) : std::nullopt;
+    if (factor->first.offset != 0.0) {  // a temperature on the Celsius scale can be neither multiplied nor divided by
+      return part == suffix && factor->second == 1 ? std::optional(factor->first) : std::nullopt;
     }
     for (int i = 0; i < factor->second; ++i) multiply(product, factor->first, divide);
-    empty = after_per = false;
+    after_per = false;
   }
   return after_per ? std::nullopt : std::optional(product);
 }

@@ -48,7 +48,11 @@ inline constexpr Dimension angular_stiffness = torque / angle;
 inline constexpr Dimension damping = force / speed;
 inline constexpr Dimension angular_damping = torque / angular_speed;
 inline constexpr Dimension compliance = length / force;
+inline constexpr Dimension angular_compliance = angle / torque;
 inline constexpr Dimension area_per_pressure = area / pressure;
+inline constexpr Dimension inverse_area = none / area;
+inline constexpr Dimension inverse_angle_squared = none / (angle * angle);
+inline constexpr Dimension inverse_temperature = none / temperature;
 }  // namespace dimension
 
 /// One unit: SI value = (value + offset) * numerator / denominator. Two factors, so that mm -> m divides by 1000
@@ -61,8 +65,8 @@ struct Unit {
   [[nodiscard]] double from_si(double value) const { return value * denominator / numerator - offset; }
 };
 
-/// The unit that a suffix spells: products by `_`, powers by a digit, quotient by `_per_` ("kg_m2", "N_m_s_per_rad").
-/// Empty when a part of it is unknown.
+/// The unit that a suffix spells: products by `_`, powers by a digit, quotient by `_per_` ("kg_m2", "N_m_s_per_rad",
+/// "per_mm2"). Empty when a part of it is unknown.
 [[nodiscard]] std::optional<Unit> parse_unit(std::string_view suffix);
 
 /// Unit whose spelling is known to be right; std::logic_error otherwise.

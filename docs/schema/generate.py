@@ -20,7 +20,9 @@ UNITS = {
     "acceleration": f"{LENGTH}_per_(s2|{TIME}_{TIME})", "inertia": f"{MASS}_{AREA}",
     "stiffness": f"{FORCE}_per_{LENGTH}", "angular stiffness": f"{TORQUE}_per_{ANGLE}",
     "damping": f"{FORCE}_{TIME}_per_{LENGTH}", "angular damping": f"{FORCE}_{LENGTH}_{TIME}_per_{ANGLE}",
-    "compliance": f"{LENGTH}_per_{FORCE}", "density": f"{MASS}_per_{VOLUME}",
+    "compliance": f"{LENGTH}_per_{FORCE}", "angular compliance": f"{ANGLE}_per_{TORQUE}",
+    "inverse area": f"per_{LENGTH}2", "inverse squared angle": f"per_{ANGLE}2", "inverse temperature": "per_K",
+    "temperature": "(K|degC|degF)", "density": f"{MASS}_per_{VOLUME}",
     "area per pressure": f"{AREA}_per_(Pa|kPa|MPa|GPa|bar)", "voltage": VOLT,
     "sensitivity": f"({LENGTH}|{ANGLE}|{FORCE}|{TORQUE})_per_{VOLT}",
 }
@@ -137,19 +139,21 @@ def spring(displacement, force, slope):
     return result
 
 
-def axis_law(displacement, force, stiffness, damping, rate):
+def axis_law(displacement, force, stiffness, damping, rate, growth):
     stop = record(stiffness=(stiffness, NOT_NEGATIVE), **{"yield": (displacement, POSITIVE)})
     berg = record(law={"const": "berg"}, force_max=(force, NOT_NEGATIVE), half_displacement=(displacement, POSITIVE))
     return record(
         stiffness=spring(displacement, force, stiffness), friction_=list_of({"oneOf": [stop, berg]}),
+        friction_yield_growth_=(growth, NOT_NEGATIVE),
         maxwell_=list_of(record(stiffness=(stiffness, NOT_NEGATIVE), relaxation_time=("time", POSITIVE))),
         viscous_=(damping, NOT_NEGATIVE),
         valid_=record(amplitude=(displacement, NOT_NEGATIVE), frequency_low_=("frequency", NOT_NEGATIVE),
                       frequency_high_=("frequency", NOT_NEGATIVE), rate_=(rate, NOT_NEGATIVE)))
 
 
-STRAIGHT = axis_law("length", "force", "stiffness", "damping", "speed")
-TURNING = axis_law("angle", "torque", "angular stiffness", "angular damping", "angular speed")
+STRAIGHT = axis_law("length", "force", "stiffness", "damping", "speed", "inverse area")
+TURNING = axis_law("angle", "torque", "angular stiffness", "angular damping", "angular speed",
+                   "inverse squared angle")
 BUSHING = document("bushing", "Restoring law of a track bushing on six axes", name=TEXT, synthetic_=BOOLEAN,
                    axes=record(**{axis + "_": TURNING if axis.startswith("r") else STRAIGHT for axis in AXES}),
                    provenance_=PROVENANCE)

@@ -62,6 +62,7 @@ TEST(BushingFile, SurvivesWritingAndReading) {
     law.spring = SpringSpline::linear(1.0 / 3.0 * 1e8, 0.1 / 7.0);
     law.stops = {{1e7 / 3.0, 1e-4 / 7.0}};
     law.branches = {{2e7 / 7.0, 1.0 / 3.0}};
+    law.yield_growth = 1e6 / 7.0;
     law.viscous = 100.0 / 3.0;
     law.valid = ValidRange{1e-3, 0.01, 30.0, 0.2};
   }
@@ -73,6 +74,7 @@ TEST(BushingFile, SurvivesWritingAndReading) {
     EXPECT_DOUBLE_EQ(a.spring.force.front(), b.spring.force.front());  // one rounding for the unit
     EXPECT_DOUBLE_EQ(a.spring.slope.back(), b.spring.slope.back());
     EXPECT_DOUBLE_EQ(a.stops.at(0).yield, b.stops.at(0).yield);
+    EXPECT_DOUBLE_EQ(a.yield_growth, b.yield_growth);
     EXPECT_DOUBLE_EQ(a.branches.at(0).stiffness, b.branches.at(0).stiffness);
     EXPECT_DOUBLE_EQ(a.valid->rate, b.valid->rate);
   }
@@ -80,6 +82,26 @@ TEST(BushingFile, SurvivesWritingAndReading) {
   EXPECT_EQ(again.provenance.inputs.at(0).sha256, std::string(64, 'a'));
   write_bushing(again, folder.path() / "b.json");
   EXPECT_EQ(read_whole(folder.path() / "a.json"), read_whole(folder.path() / "b.json"));
+}
+
+TEST(BushingFile, ReadsTheGrowthOfTheYieldInAnyInverseSquare) {
+  const std::string friction = R"(, "friction": [{"stiffness_kN_per_mm": 1, "yield_mm": 0.05}], )";
+  const std::string start = std::string("{") + k_line + friction;
+  EXPECT_DOUBLE_EQ(read(with_x_axis(start + R"("friction_yield_growth_per_mm2": 2})")).axis(Axis::x).yield_growth, 2e6);
+  EXPECT_DOUBLE_EQ(read(with_x_axis(start + R"("friction_yield_growth_per_cm2": 2})")).axis(Axis::x).yield_growth, 2e4);
+  const std::string turning = R"({"format": "grouser.bushing/1", "name": "b", "axes": {"ry": {"stiffness":
+      {"angle_deg": [-40, 40], "torque_N_m": [-1000, 1000]}, "friction_yield_growth_per_deg2": 1}}})";
+  EXPECT_DOUBLE_EQ(read(turning).axis(Axis::ry).yield_growth, std::pow(180.0 / 3.14159265358979323846, 2));
+  EXPECT_THROW(read(with_x_axis(start + R"("friction_yield_growth_per_mm2": -1})")), InputError);
+  EXPECT_THROW(read(with_x_axis(start + R"("friction_yield_growth_per_rad2": 1})")), InputError);
+}
+
+TEST(BushingFile, LeavesOutAYieldThatDoesNotGrow) {
+  Bushing bushing;
+  bushing.axis(Axis::x).spring = SpringSpline::linear(1e8, 1e-3);
+  const TemporaryFolder folder;
+  write_bushing(bushing, folder.path() / "a.json");
+  EXPECT_EQ(read_whole(folder.path() / "a.json").find("growth"), std::string::npos);
 }
 
 TEST(BushingFile, RefusesToHoldANumberThatIsNone) {

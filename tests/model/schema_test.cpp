@@ -43,6 +43,8 @@ const std::vector<Mutation>& mutations() {
          j["axes"]["x"]["stiffness"] = {{"displacement_mm", {1}}, {"force_kN", {1}}};
        }},
       {"bushing", "negative_viscous", [](Json& j) { j["axes"]["x"]["viscous_N_s_per_m"] = -1; }},
+      {"bushing", "shrinking_yield", [](Json& j) { j["axes"]["x"]["friction_yield_growth_per_mm2"] = -1; }},
+      {"bushing", "yield_grows_with_the_angle", [](Json& j) { j["axes"]["x"]["friction_yield_growth_per_rad2"] = 1; }},
       {"bushing", "unknown_axis", [](Json& j) { j["axes"]["rw"] = j["axes"]["rx"]; }},
       {"bushing", "other_format", [](Json& j) { j["format"] = "grouser.bushing/2"; }},
       {"vehicle", "negative_pitch", [](Json& j) { j["left"]["track"]["pitch_mm"] = -194; }},

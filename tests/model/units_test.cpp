@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace grouser {
 namespace {
 
@@ -16,6 +18,11 @@ TEST(Unit, OfAKeyTurnsIntoSi) {
   EXPECT_DOUBLE_EQ(unit("rpm").to_si(60.0), 2.0 * 3.14159265358979323846);
   EXPECT_DOUBLE_EQ(unit("mm2_per_MPa").to_si(6.8), 6.8e-12);
   EXPECT_DOUBLE_EQ(unit("degC").to_si(20.0), 293.15);
+  EXPECT_DOUBLE_EQ(unit("degF").to_si(68.0), 293.15);
+  EXPECT_DOUBLE_EQ(unit("degF").to_si(-40.0), unit("degC").to_si(-40.0));  // where the two scales meet
+  EXPECT_DOUBLE_EQ(unit("per_mm2").to_si(1.0), 1e6);
+  EXPECT_DOUBLE_EQ(unit("per_deg2").to_si(1.0), std::pow(180.0 / 3.14159265358979323846, 2));
+  EXPECT_DOUBLE_EQ(unit("deg_per_kN_m").to_si(1.0), 3.14159265358979323846 / 180.0 / 1e3);
 }
 
 TEST(Unit, ComesBackFromSiToTheLastDigitsOfADouble) {
@@ -34,10 +41,12 @@ TEST(Unit, KnowsItsDimension) {
   EXPECT_NE(unit("N_m").dimension, unit("N_m_per_rad").dimension);  // torque is not torsional stiffness
   EXPECT_NE(unit("Hz").dimension, unit("rad_per_s").dimension);
   EXPECT_NE(unit("mm_per_V").dimension, unit("mm").dimension);
+  EXPECT_EQ(unit("per_s").dimension, unit("Hz").dimension);
 }
 
 TEST(Unit, ThatNobodyKnowsIsRefused) {
-  for (const char* wrong : {"furlong", "mM", "kn", "", "per_s", "N_per", "N__m", "mm_per_per_s", "degC_per_s", "m0"}) {
+  for (const char* wrong : {"furlong", "mM", "kn", "", "per", "per_per_s", "N_per", "N__m", "mm_per_per_s",
+                            "degC_per_s", "per_degC", "degF2", "m0"}) {
     EXPECT_FALSE(parse_unit(wrong)) << wrong;
   }
 }
@@ -48,6 +57,7 @@ TEST(Key, SplitsIntoNameAndUnit) {
   EXPECT_EQ(split->name, "lvdt_a");
   EXPECT_EQ(split->suffix, "V");
   EXPECT_EQ(split_name_and_unit("slope_kN_per_mm")->name, "slope");
+  EXPECT_EQ(split_name_and_unit("stiffness_change_per_K")->name, "stiffness_change");
   EXPECT_FALSE(split_name_and_unit("sample"));
   EXPECT_FALSE(split_name_and_unit("_mm"));
 }
