@@ -1,12 +1,15 @@
 #pragma once
+#include <istream>
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "model/csv_head.h"
+#include "model/csv_lines.h"
 #include "model/findings.h"
 
-/// Tables of numbers: the first line that is neither empty nor a `#` comment names the columns; fields are divided by
-/// semicolon, tab, comma or blanks, whichever the header uses; where the comma does not divide, it is a decimal comma.
+/// Tables of numbers as loggers and spreadsheets write them: fields divided by semicolon, tab, comma or blanks,
+/// whichever the line of names uses; decimal point or decimal comma; lines that begin with `#`, `%` or `//` are
+/// remarks. See find_csv_head for names and units.
 namespace grouser {
 
 /// One column: its name in the header and its numbers as they stand there.
@@ -15,12 +18,32 @@ struct CsvColumn {
   std::vector<double> values;
 };
 
-/// Column names, in file order; empty for a file without any line.
-[[nodiscard]] std::vector<std::string> csv_header(std::string_view bytes);
+/// Reads a table of any length in pieces: memory holds the wanted columns and one piece (CsvLines::k_piece).
+class CsvReader {
+ public:
+  /// Reads the names of the columns; a finding says why there are none. `in` and `findings` must outlive this.
+  CsvReader(std::istream& in, Findings& findings);
 
-/// Columns of the given names, in the given order. Other columns are not converted, so texts may stand there. A finding
-/// names row (line of the file, counted from 1) and column; after 20 of them the rest of the file is left.
-[[nodiscard]] std::vector<CsvColumn> read_csv(std::string_view bytes, const std::vector<std::string>& wanted,
-                                              Findings& findings);
+  /// Column names with their units, in file order; empty for a file without any line.
+  [[nodiscard]] const std::vector<std::string>& names() const { return head_.names; }
+  /// "row 3": where the names stand.
+  [[nodiscard]] std::string place_of_names() const;
+
+  /// Columns of the given names, in the given order; called once. Other columns are not converted, so texts may stand
+  /// there. A finding names row (line of the file, counted from 1) and column; after 20 of them the rest of the file
+  /// is left.
+  [[nodiscard]] std::vector<CsvColumn> read(const std::vector<std::string>& wanted);
+
+  /// SHA-256 of the file's bytes, once it was read to its end.
+  [[nodiscard]] std::string sha256() { return lines_.sha256(); }
+
+ private:
+  [[nodiscard]] bool names_are_usable();
+
+  Findings& findings_;
+  CsvLines lines_;
+  std::vector<CsvHeadLine> first_lines_;
+  CsvHead head_;
+};
 
 }  // namespace grouser

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "model/provenance.h"
 
@@ -270,14 +271,33 @@ std::vector<std::string> ObjectReader::texts_or_none(const std::string& key) {
 
 std::size_t ObjectReader::choice_index(const std::string& key, const std::vector<std::string>& words) {
   const Json* value = find(key, true);
-  if (value == nullptr) return 0;
-  const std::string word = value->is_string() ? value->get<std::string>() : "";
+  return value == nullptr ? 0 : index_of_word(*value, pointer_to(pointer_, key), words).value_or(0);
+}
+
+std::optional<std::size_t> ObjectReader::index_of_word(const Json& value, const std::string& pointer,
+                                                       const std::vector<std::string>& words) {
+  const std::string word = value.is_string() ? value.get<std::string>() : "";
   const auto at = std::find(words.begin(), words.end(), word);
-  if (value->is_string() && at != words.end()) return static_cast<std::size_t>(at - words.begin());
+  if (value.is_string() && at != words.end()) return static_cast<std::size_t>(at - words.begin());
   std::string expected;
   for (const std::string& w : words) expected += (expected.empty() ? "\"" : " | \"") + w + "\"";
-  report(key, expected, shown(*value), did_you_mean(nearest_word(word, words)));
-  return 0;
+  findings_.add(pointer, expected, shown(value), did_you_mean(nearest_word(word, words)));
+  return std::nullopt;
+}
+
+std::vector<std::size_t> ObjectReader::choices_or_none(const std::string& key, const std::vector<std::string>& words) {
+  const Json* value = find(key, false);
+  if (value == nullptr) return {};
+  if (!value->is_array()) {
+    report(key, "an array of texts", shown(*value));
+    return {};
+  }
+  std::set<std::size_t> chosen;
+  for (std::size_t i = 0; i < value->size(); ++i) {
+    const std::string place = pointer_to(pointer_to(pointer_, key), std::to_string(i));
+    if (const auto index = index_of_word((*value)[i], place, words)) chosen.insert(*index);
+  }
+  return {chosen.begin(), chosen.end()};
 }
 
 void ObjectReader::object(const std::string& key, const Visit& visit) {

@@ -63,6 +63,9 @@ class ObjectReader {
     return (choices.begin() + static_cast<std::ptrdiff_t>(i))->second;
   }
 
+  /// Indices of the listed words in an optional array of words, each once, in the order of `words`.
+  std::vector<std::size_t> choices_or_none(const std::string& key, const std::vector<std::string>& words);
+
   using Visit = std::function<void(ObjectReader&)>;
   void object(const std::string& key, const Visit& visit);
   /// Returns whether the key is there.
@@ -91,6 +94,8 @@ class ObjectReader {
   std::vector<double> numbers_at(const Json& value, const std::string& pointer, const std::string& what,
                                  const Unit& unit, Range range = Range::any);
   std::size_t choice_index(const std::string& key, const std::vector<std::string>& words);
+  std::optional<std::size_t> index_of_word(const Json& value, const std::string& pointer,
+                                           const std::vector<std::string>& words);
   void report_unasked();
   bool explain_missing(const Missing& missing);
   [[nodiscard]] std::string suggestion(const std::string& key) const;

@@ -1,46 +1,17 @@
 #include "model/rig.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
+#include <set>
 
-#include "model/calibration.h"
-#include "model/csv.h"
 #include "model/file_json.h"
+#include "model/rig_columns.h"
 
 namespace grouser {
 namespace {
 
 namespace d = dimension;
 namespace fs = std::filesystem;
-
-/// A sensor with what its numbers mean.
-struct Sensor {
-  SensorCalibration calibration;
-  Dimension quantity;  ///< what it measures: length, angle, force or torque
-  Unit reading;        ///< of its column
-};
-
-/// Columns of one test as rig.json names them; empty = found by name.
-struct NamedColumns {
-  std::string time, displacement, force;
-};
-
-struct TestEntry {
-  RigTest test;
-  NamedColumns named;
-  std::optional<double> sample_rate;
-  std::string pointer;  ///< "/tests/3"
-};
-
-Dimension displacement_of(Axis axis) { return is_rotation(axis) ? d::angle : d::length; }
-Dimension force_of(Axis axis) { return is_rotation(axis) ? d::torque : d::force; }
-
-std::string list_of(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text.empty() ? "none" : text;
-}
 
 /// Unit in a column's name; a finding when it has none.
 std::optional<Unit> unit_of_column(ObjectReader& r, const std::string& key, const std::string& column) {
@@ -51,7 +22,7 @@ std::optional<Unit> unit_of_column(ObjectReader& r, const std::string& key, cons
 }
 
 /// `sensitivity_*` says what the sensor measures: one of two dimensions per volt (or per whatever the column holds).
-void read_sensitivity(ObjectReader& r, Sensor& sensor, const Dimension& straight, const Dimension& turning) {
+void read_sensitivity(ObjectReader& r, RigSensor& sensor, const Dimension& straight, const Dimension& turning) {
   const auto key = split_name_and_unit(r.key_of("sensitivity"));
   const bool turns = key && key->unit.dimension == turning / sensor.reading.dimension;
   sensor.quantity = turns ? turning : straight;
@@ -62,7 +33,7 @@ void read_sensitivity(ObjectReader& r, Sensor& sensor, const Dimension& straight
   }
 }
 
-void read_calibration_record(ObjectReader& r, const std::vector<std::string>& names, Sensor& sensor) {
+void read_calibration_record(ObjectReader& r, const std::vector<std::string>& names, RigSensor& sensor) {
   SensorCalibration& c = sensor.calibration;
   c.record_reading = r.quantities("reading", sensor.reading.dimension);
   std::string name = names.front();
@@ -77,8 +48,8 @@ void read_calibration_record(ObjectReader& r, const std::vector<std::string>& na
   }
 }
 
-Sensor read_sensor(ObjectReader& r, bool measures_force) {
-  Sensor sensor;
+RigSensor read_sensor(ObjectReader& r, bool measures_force) {
+  RigSensor sensor;
   SensorCalibration& c = sensor.calibration;
   c.column = r.text("column");
   sensor.reading = unit_of_column(r, "column", c.column).value_or(unit("V"));
@@ -100,8 +71,28 @@ void check_geometry(ObjectReader& r) {
   });
 }
 
-TestEntry read_test(ObjectReader& r) {
-  TestEntry entry;
+std::vector<CorrectionKind> read_corrections(ObjectReader& r) {
+  std::vector<CorrectionKind> corrections;
+  const std::vector<std::string> names(k_correction_names.begin(), k_correction_names.end());
+  for (const std::size_t i : r.choices_or_none("corrections", names)) {
+    corrections.push_back(static_cast<CorrectionKind>(i));
+  }
+  return corrections;
+}
+
+ThermalCorrection read_thermal(ObjectReader& r) {
+  ThermalCorrection thermal;
+  thermal.stiffness_change = r.quantity("stiffness_change", d::inverse_temperature);
+  thermal.reference_temperature = r.quantity("reference_temperature", d::temperature);
+  if (thermal.reference_temperature < 0.0) {
+    const std::string key = r.key_of("reference_temperature");
+    r.report(key, "a temperature above absolute zero", shown(*r.raw(key)));
+  }
+  return thermal;
+}
+
+RigTestEntry read_test(ObjectReader& r) {
+  RigTestEntry entry;
   RigTest& test = entry.test;
   entry.pointer = r.pointer();
   test.name = r.text("name");
@@ -120,181 +111,11 @@ TestEntry read_test(ObjectReader& r) {
     entry.named.time = c.text_or("time", "");
     entry.named.displacement = c.text_or("displacement", c.text_or("angle", ""));
     entry.named.force = c.text_or("force", c.text_or("torque", ""));
+    entry.named.temperature = c.text_or("temperature", "");
   });
+  test.corrections = read_corrections(r);
   return entry;
 }
-
-/// Finds, reads and converts the columns of one test's CSV file.
-class TestFile {
- public:
-  TestFile(const std::string& bytes, const std::vector<Sensor>& displacement_sensors,
-           const std::optional<Sensor>& force_sensor, Findings& findings)
-      : bytes_(bytes),
-        names_(csv_header(bytes)),
-        displacement_sensors_(displacement_sensors),
-        force_sensor_(force_sensor),
-        findings_(findings) {}
-
-  void read(TestEntry& entry) {
-    RigTest& test = entry.test;
-    const std::vector<Sensor> lvdts = sensors_for(displacement_of(test.axis));
-    const bool load_cell = force_sensor_ && applies(*force_sensor_, force_of(test.axis));
-    const std::string time = find_time(entry.named.time);
-    std::vector<std::string> displacement, force;
-    if (lvdts.empty() || !entry.named.displacement.empty()) {
-      displacement = {find(entry.named.displacement, {"displacement", "angle"}, displacement_of(test.axis))};
-    } else {
-      for (const Sensor& lvdt : lvdts) displacement.push_back(lvdt.calibration.column);
-    }
-    const bool calibrated_force = load_cell && entry.named.force.empty();
-    force = {calibrated_force ? force_sensor_->calibration.column
-                              : find(entry.named.force, {"force", "torque"}, force_of(test.axis))};
-    if (!findings_.empty()) return;
-
-    std::vector<std::string> wanted = displacement;
-    wanted.push_back(force.front());
-    if (!time.empty()) wanted.push_back(time);
-    std::vector<CsvColumn> columns = read_csv(bytes_, wanted, findings_);
-    if (!findings_.empty()) return;
-    const bool from_sensors = !lvdts.empty() && entry.named.displacement.empty();
-    set_displacement(test, columns, from_sensors ? lvdts : std::vector<Sensor>{});
-    CsvColumn& forces = columns[displacement.size()];
-    test.force = converted(forces, calibrated_force ? &*force_sensor_ : nullptr);
-    set_time(entry, time.empty() ? nullptr : &columns.back());
-  }
-
- private:
-  [[nodiscard]] bool has(const std::string& column) const {
-    return std::find(names_.begin(), names_.end(), column) != names_.end();
-  }
-  [[nodiscard]] bool applies(const Sensor& sensor, const Dimension& quantity) const {
-    return sensor.quantity == quantity && has(sensor.calibration.column);
-  }
-
-  /// Sensors of that quantity whose columns the file has: all of them or none.
-  std::vector<Sensor> sensors_for(const Dimension& quantity) {
-    std::vector<Sensor> found;
-    std::string missing;
-    for (const Sensor& sensor : displacement_sensors_) {
-      if (sensor.quantity != quantity) continue;
-      if (applies(sensor, quantity)) {
-        found.push_back(sensor);
-      } else {
-        missing = sensor.calibration.column;
-      }
-    }
-    if (!found.empty() && !missing.empty()) {
-      findings_.add("row 1", "the column " + missing + " of a sensor in rig.json", list_of(names_),
-                    did_you_mean(nearest_word(missing, names_)));
-    }
-    return found;
-  }
-
-  std::string find_time(const std::string& named) {
-    if (!named.empty()) return find(named, {"time"}, d::time);
-    const bool any = std::any_of(names_.begin(), names_.end(), [](const std::string& name) {
-      const auto split = split_name_and_unit(name);
-      return split && (split->name == "time" || split->name.rfind("time_", 0) == 0);
-    });
-    return any ? find("", {"time"}, d::time) : "";
-  }
-
-  /// The named column; else the one of a family ("displacement_*"); else the only one of that dimension.
-  std::string find(const std::string& named, const std::vector<std::string>& families, const Dimension& dimension) {
-    if (!named.empty()) return named_column(named, dimension);
-    std::vector<std::string> of_family, of_dimension;
-    for (const std::string& name : names_) {
-      const auto split = split_name_and_unit(name);
-      if (!split) continue;
-      const bool member = std::any_of(families.begin(), families.end(), [&](const std::string& family) {
-        return split->name == family || split->name.rfind(family + "_", 0) == 0;
-      });
-      if (member) of_family.push_back(name);
-      if (split->unit.dimension == dimension) of_dimension.push_back(name);
-    }
-    std::string expected = "a column " + list_of_families(families) + " with a unit of " + name_of(dimension);
-    const std::vector<std::string>& candidates = of_family.empty() ? of_dimension : of_family;
-    if (candidates.size() == 1) return named_column(candidates.front(), dimension);
-    if (candidates.empty()) {
-      findings_.add("row 1", expected, list_of(names_), "rig.json may name it under \"columns\"");
-    } else {
-      findings_.add("row 1", expected, list_of(candidates), "rig.json must name one of them under \"columns\"");
-    }
-    return {};
-  }
-
-  static std::string list_of_families(const std::vector<std::string>& families) {
-    std::string text;
-    for (const std::string& family : families) text += (text.empty() ? "" : " or ") + family + "_*";
-    return text;
-  }
-
-  std::string named_column(const std::string& name, const Dimension& dimension) {
-    const auto split = split_name_and_unit(name);
-    if (!has(name)) {
-      findings_.add("row 1", "the column " + name, list_of(names_), did_you_mean(nearest_word(name, names_)));
-    } else if (!split || split->unit.dimension != dimension) {
-      findings_.add("row 1, column " + name, "a unit of " + name_of(dimension) + ", as in _" + usual_unit(dimension),
-                    split ? "a unit of " + name_of(split->unit.dimension) : "no unit");
-    }
-    return name;
-  }
-
-  static std::vector<double> converted(CsvColumn& column, const Sensor* sensor) {
-    const Unit unit = split_name_and_unit(column.name)->unit;
-    for (double& value : column.values) {
-      value = unit.to_si(value);
-      if (sensor != nullptr) value = calibrated(sensor->calibration, value);
-    }
-    return std::move(column.values);
-  }
-
-  static void set_displacement(RigTest& test, std::vector<CsvColumn>& columns, const std::vector<Sensor>& lvdts) {
-    test.displacement = converted(columns[0], lvdts.empty() ? nullptr : &lvdts[0]);
-    if (lvdts.size() < 2) return;
-    // Two LVDTs, left and right of the specimen: the mean is the stretch, half the difference the tilt (D 6.2).
-    const std::vector<double> second = converted(columns[1], &lvdts[1]);
-    test.tilt.resize(second.size());
-    for (std::size_t i = 0; i < second.size(); ++i) {
-      test.tilt[i] = 0.5 * (test.displacement[i] - second[i]);
-      test.displacement[i] = 0.5 * (test.displacement[i] + second[i]);
-    }
-  }
-
-  void set_time(TestEntry& entry, CsvColumn* column) {
-    RigTest& test = entry.test;
-    if (column != nullptr) {
-      test.time = converted(*column, nullptr);
-      test.time_measured = true;
-      const auto stop = std::adjacent_find(test.time.begin(), test.time.end(), std::greater_equal<>());
-      if (stop != test.time.end()) {
-        findings_.add("column " + column->name + ", sample " + std::to_string(stop - test.time.begin() + 2),
-                      "a time after the one before it",
-                      Json(*(stop + 1)).dump() + " s after " + Json(*stop).dump() + " s");
-      }
-      return;
-    }
-    test.time.resize(test.displacement.size());
-    for (std::size_t i = 0; i < test.time.size(); ++i) {
-      const auto index = static_cast<double>(i);
-      const bool ramp = test.kind == TestKind::static_ramp && test.rate.has_value();
-      if (entry.sample_rate) {
-        test.time[i] = index / *entry.sample_rate;
-      } else if (ramp) {
-        test.time[i] =
-            i == 0 ? 0.0 : test.time[i - 1] + std::abs(test.displacement[i] - test.displacement[i - 1]) / *test.rate;
-      } else {
-        test.time[i] = index;
-      }
-    }
-  }
-
-  const std::string& bytes_;
-  std::vector<std::string> names_;
-  const std::vector<Sensor>& displacement_sensors_;
-  const std::optional<Sensor>& force_sensor_;
-  Findings& findings_;
-};
 
 /// Reads rig.json, then every CSV; collects the findings of all of them.
 class RigReader {
@@ -309,11 +130,11 @@ class RigReader {
     if (findings_.empty() || !document.is_null()) {
       read_document(document, k_rig_format, findings_, [this](ObjectReader& r) { read_own(r); });
     }
-    for (TestEntry& entry : entries_) read_file(entry);
+    for (RigTestEntry& entry : entries_) read_file(entry);
     findings_.throw_if_any();
-    for (TestEntry& entry : entries_) rig_.tests.push_back(std::move(entry.test));
-    for (Sensor& sensor : displacement_sensors_) rig_.displacement_sensors.push_back(std::move(sensor.calibration));
-    if (force_sensor_) rig_.force_sensor = std::move(force_sensor_->calibration);
+    for (RigTestEntry& entry : entries_) rig_.tests.push_back(std::move(entry.test));
+    for (RigSensor& s : sensors_.displacement) rig_.displacement_sensors.push_back(std::move(s.calibration));
+    if (!sensors_.force.empty()) rig_.force_sensor = std::move(sensors_.force.front().calibration);
     if (rig_.synthetic) rig_.provenance.synthetic.push_back(rig_.synthetic_note);
     return std::move(rig_);
   }
@@ -326,9 +147,20 @@ class RigReader {
       r.optional_object("geometry", check_geometry);
     });
     rig_.rig_compliance = reader.quantity_or("rig_compliance", d::compliance, 0.0, Range::non_negative);
+    rig_.rig_angular_compliance =
+        reader.quantity_or("rig_angular_compliance", d::angular_compliance, 0.0, Range::non_negative);
+    rig_.moving_mass = reader.quantity_or("moving_mass", d::mass, 0.0, Range::non_negative);
+    rig_.moving_inertia = reader.quantity_or("moving_inertia", d::inertia, 0.0, Range::non_negative);
+    reader.optional_object("thermal", [this](ObjectReader& r) { rig_.thermal = read_thermal(r); });
     rig_.synthetic = reader.optional_object("synthetic", [this](ObjectReader& r) { read_synthetic(r); });
     reader.optional_object("sensors", [this](ObjectReader& r) { read_sensors(r); });
+    const std::vector<CorrectionKind> of_all = read_corrections(reader);
     reader.each("tests", 1, [this](ObjectReader& r) { entries_.push_back(read_test(r)); });
+    for (RigTestEntry& entry : entries_) {
+      std::set<CorrectionKind> asked(of_all.begin(), of_all.end());
+      asked.insert(entry.test.corrections.begin(), entry.test.corrections.end());
+      entry.test.corrections.assign(asked.begin(), asked.end());
+    }
     check_names(reader);
   }
 
@@ -340,16 +172,16 @@ class RigReader {
 
   void read_sensors(ObjectReader& reader) {
     reader.each_optional("displacement",
-                         [this](ObjectReader& r) { displacement_sensors_.push_back(read_sensor(r, false)); });
-    reader.optional_object("force", [this](ObjectReader& r) { force_sensor_ = read_sensor(r, true); });
-    const auto lvdts = std::count_if(displacement_sensors_.begin(), displacement_sensors_.end(),
-                                     [](const Sensor& s) { return s.quantity == d::length; });
+                         [this](ObjectReader& r) { sensors_.displacement.push_back(read_sensor(r, false)); });
+    reader.optional_object("force", [this](ObjectReader& r) { sensors_.force.push_back(read_sensor(r, true)); });
+    const auto lvdts = std::count_if(sensors_.displacement.begin(), sensors_.displacement.end(),
+                                     [](const RigSensor& s) { return s.quantity == d::length; });
     if (lvdts > 2) reader.report("displacement", "one or two LVDTs", std::to_string(lvdts));
   }
 
   void check_names(ObjectReader& reader) {
     std::map<std::string, std::string> seen;
-    for (const TestEntry& entry : entries_) {
+    for (const RigTestEntry& entry : entries_) {
       const auto [first, is_new] = seen.emplace(entry.test.name, entry.pointer);
       if (!is_new) {
         reader.findings().add(entry.pointer + "/name", "a name of its own", entry.test.name,
@@ -358,28 +190,24 @@ class RigReader {
     }
   }
 
-  void read_file(TestEntry& entry) {
+  void read_file(RigTestEntry& entry) {
     if (entry.test.file.empty()) return;
     const fs::path path = (file_.parent_path() / entry.test.file).lexically_normal();
-    std::string bytes;
+    Findings of_file(path.string());
     try {
-      bytes = read_whole(path);
+      const std::string digest = read_rig_columns(path, sensors_, rig_.thermal, entry, of_file);
+      rig_.provenance.inputs.push_back({"rig data " + entry.test.name, entry.test.file, digest});
     } catch (const FileError& error) {
       findings_.add(entry.pointer + "/file", "a file that can be read", entry.test.file, error.what());
-      return;
     }
-    rig_.provenance.inputs.push_back(provenance_input("rig data " + entry.test.name, entry.test.file, bytes));
-    Findings of_file(path.string());
-    TestFile(bytes, displacement_sensors_, force_sensor_, of_file).read(entry);
     findings_.add(of_file);
   }
 
   fs::path file_;
   Findings findings_;
   RigRecord rig_;
-  std::vector<Sensor> displacement_sensors_;
-  std::optional<Sensor> force_sensor_;
-  std::vector<TestEntry> entries_;
+  RigSensors sensors_;
+  std::vector<RigTestEntry> entries_;
 };
 
 }  // namespace

@@ -2,8 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <sstream>
+
 namespace grouser {
 namespace {
+
+std::vector<CsvColumn> read_csv(const std::string& text, const std::vector<std::string>& wanted, Findings& findings) {
+  std::istringstream stream(text);
+  CsvReader reader(stream, findings);
+  return reader.read(wanted);
+}
 
 std::vector<CsvColumn> read(const std::string& text, const std::vector<std::string>& wanted) {
   Findings findings("table.csv");

@@ -1,0 +1,60 @@
+#include "model/csv_lines.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace grouser {
+namespace {
+
+std::size_t size_of(std::istream& in) {
+  const auto here = in.tellg();
+  in.seekg(0, std::ios::end);
+  const auto end = in.tellg();
+  in.clear();
+  in.seekg(here);
+  in.clear();
+  return end > here && here >= 0 ? static_cast<std::size_t>(end - here) : 0;
+}
+
+}  // namespace
+
+CsvLines::CsvLines(std::istream& in) : in_(in), piece_(k_piece, '\0'), total_(size_of(in)) {
+  fill();
+  const std::string_view start(piece_.data(), end_);
+  utf16_ = start.substr(0, 2) == "\xFF\xFE" || start.substr(0, 2) == "\xFE\xFF";
+  if (start.substr(0, 3) == "\xEF\xBB\xBF") begin_ = 3;
+}
+
+/// Moves what is left to the front of the piece and reads on; false when nothing came.
+bool CsvLines::fill() {
+  std::memmove(piece_.data(), piece_.data() + begin_, end_ - begin_);
+  end_ -= begin_;
+  begin_ = 0;
+  in_.read(piece_.data() + end_, static_cast<std::streamsize>(piece_.size() - end_));
+  const auto came = static_cast<std::size_t>(in_.gcount());
+  digest_.add({piece_.data() + end_, came});
+  end_ += came;
+  read_ += came;
+  return came > 0;
+}
+
+bool CsvLines::next(std::string_view& line) {
+  const char* const start = piece_.data();
+  const auto* newline = static_cast<const char*>(std::memchr(start + begin_, '\n', end_ - begin_));
+  if (newline == nullptr) {
+    if (end_ - begin_ == piece_.size()) {
+      too_long_ = true;
+      ++number_;
+      return false;
+    }
+    if (fill()) return next(line);
+    if (begin_ == end_) return false;
+  }
+  const std::size_t stop = newline == nullptr ? end_ : static_cast<std::size_t>(newline - start);
+  line = std::string_view(start + begin_, stop - begin_);
+  begin_ = std::min(stop + 1, end_);
+  ++number_;
+  return true;
+}
+
+}  // namespace grouser

@@ -1,0 +1,284 @@
+#include "model/rig_columns.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+
+#include "model/calibration.h"
+#include "model/csv.h"
+#include "model/json_document.h"
+
+namespace grouser {
+namespace {
+
+namespace d = dimension;
+
+/// Of the steps of a time column, so many may stand still or fall back: restarts of the logger and rounded stamps do
+/// that now and then; a column that does it more often counts something else.
+constexpr double k_time_faults = 0.01;
+
+/// A quantity's columns and the sensors that calibrate them (empty: the columns hold the quantity itself).
+struct Channel {
+  std::vector<std::string> columns;
+  std::vector<const RigSensor*> sensors;
+};
+
+struct Channels {
+  Channel displacement, force;
+  std::string time, temperature;  ///< empty: the file has none
+};
+
+std::string list_of(const std::vector<std::string>& names, const char* between = ", ", const char* after = "") {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : between) + name + after;
+  return text.empty() ? "none" : text;
+}
+
+/// "force_*" holds force_kN and force_a_kN.
+bool is_member(const std::string& name, const std::string& family) {
+  return name == family || name.rfind(family + "_", 0) == 0;
+}
+
+/// Finds the columns of one file by their names.
+class ColumnFinder {
+ public:
+  ColumnFinder(const CsvReader& table, Findings& findings)
+      : names_(table.names()), place_(table.place_of_names()), findings_(findings) {}
+
+  [[nodiscard]] Channels find(const RigTestEntry& entry, const RigSensors& sensors, bool needs_temperature) {
+    const Axis axis = entry.test.axis;
+    Channels channels;
+    channels.time = find_optional(entry.named.time, "time", d::time);
+    channels.displacement =
+        channel(entry.named.displacement, {"displacement", "angle"}, sensors.displacement, displacement_of(axis));
+    channels.force = channel(entry.named.force, {"force", "torque"}, sensors.force, force_of(axis));
+    channels.temperature = needs_temperature ? find_column(entry.named.temperature, {"temperature"}, d::temperature)
+                                             : find_temperature(entry.named.temperature);
+    return channels;
+  }
+
+ private:
+  [[nodiscard]] bool has(const std::string& column) const {
+    return std::find(names_.begin(), names_.end(), column) != names_.end();
+  }
+
+  /// A column that rig.json names goes before the sensors, and they before columns found by name.
+  Channel channel(const std::string& named, const std::vector<std::string>& families,
+                  const std::vector<RigSensor>& sensors, const Dimension& quantity) {
+    Channel found;
+    if (named.empty()) found.sensors = sensors_for(sensors, quantity);
+    for (const RigSensor* sensor : found.sensors) found.columns.push_back(sensor->calibration.column);
+    if (found.sensors.empty()) found.columns.push_back(find_column(named, families, quantity));
+    return found;
+  }
+
+  /// Sensors of that quantity whose columns the file has: all of them or none.
+  std::vector<const RigSensor*> sensors_for(const std::vector<RigSensor>& sensors, const Dimension& quantity) {
+    std::vector<const RigSensor*> found;
+    std::string missing;
+    for (const RigSensor& sensor : sensors) {
+      if (sensor.quantity != quantity) continue;
+      if (has(sensor.calibration.column)) {
+        found.push_back(&sensor);
+      } else {
+        missing = sensor.calibration.column;
+      }
+    }
+    if (!found.empty() && !missing.empty()) {
+      findings_.add(place_, "the column " + missing + " of a sensor in rig.json", list_of(names_),
+                    did_you_mean(nearest_word(missing, names_)));
+    }
+    return found;
+  }
+
+  [[nodiscard]] std::vector<std::string> members_of(const std::vector<std::string>& families) const {
+    std::vector<std::string> members;
+    for (const std::string& name : names_) {
+      const auto split = split_name_and_unit(name);
+      const auto is_of = [&](const std::string& family) { return is_member(split->name, family); };
+      if (split && std::any_of(families.begin(), families.end(), is_of)) members.push_back(name);
+    }
+    return members;
+  }
+
+  /// Empty where the file has no column of the family and rig.json names none.
+  std::string find_optional(const std::string& named, const std::string& family, const Dimension& dimension) {
+    if (named.empty() && members_of({family}).empty()) return {};
+    return find_column(named, {family}, dimension);
+  }
+
+  /// A temperature that nothing needs is kept where it is plain which one it is.
+  std::string find_temperature(const std::string& named) {
+    if (named.empty() && members_of({"temperature"}).size() != 1) return {};
+    return find_optional(named, "temperature", d::temperature);
+  }
+
+  /// The named column; else the one of a family ("displacement_*"); else the only one of that dimension.
+  std::string find_column(const std::string& named, const std::vector<std::string>& families,
+                          const Dimension& dimension) {
+    if (!named.empty()) return checked(named, dimension);
+    std::vector<std::string> candidates = members_of(families);
+    if (candidates.empty()) {
+      for (const std::string& name : names_) {
+        const auto split = split_name_and_unit(name);
+        if (split && split->unit.dimension == dimension) candidates.push_back(name);
+      }
+    }
+    if (candidates.size() == 1) return checked(candidates.front(), dimension);
+    const std::string expected =
+        "a column " + list_of(families, " or ", "_*") + " with a unit of " + name_of(dimension);
+    if (candidates.empty()) {
+      findings_.add(place_, expected, list_of(names_), "rig.json may name it under \"columns\"");
+    } else {
+      findings_.add(place_, expected, list_of(candidates), "rig.json must name one of them under \"columns\"");
+    }
+    return {};
+  }
+
+  std::string checked(const std::string& name, const Dimension& dimension) {
+    const auto split = split_name_and_unit(name);
+    if (!has(name)) {
+      findings_.add(place_, "the column " + name, list_of(names_), did_you_mean(nearest_word(name, names_)));
+    } else if (!split || split->unit.dimension != dimension) {
+      findings_.add(place_ + ", column " + name,
+                    "a unit of " + name_of(dimension) + ", as in _" + usual_unit(dimension),
+                    split ? "a unit of " + name_of(split->unit.dimension) : "no unit");
+    }
+    return name;
+  }
+
+  const std::vector<std::string>& names_;
+  std::string place_;
+  Findings& findings_;
+};
+
+std::vector<double> converted(CsvColumn& column, const RigSensor* sensor = nullptr) {
+  const Unit unit = split_name_and_unit(column.name)->unit;
+  for (double& value : column.values) {
+    value = unit.to_si(value);
+    if (sensor != nullptr) value = calibrated(sensor->calibration, value);
+  }
+  return std::move(column.values);
+}
+
+const RigSensor* sensor_of(const Channel& channel, std::size_t column) {
+  return channel.sensors.empty() ? nullptr : channel.sensors[column];
+}
+
+/// Two LVDTs, left and right of the specimen: the mean is the stretch, half the difference the tilt (D 6.2).
+void average(RigTest& test, std::vector<double> second) {
+  for (std::size_t i = 0; i < second.size(); ++i) {
+    const double first = test.displacement[i];
+    test.displacement[i] = 0.5 * (first + second[i]);
+    second[i] = 0.5 * (first - second[i]);
+  }
+  test.tilt = std::move(second);
+}
+
+bool is_asked_for(const RigTest& test, CorrectionKind kind) {
+  return std::find(test.corrections.begin(), test.corrections.end(), kind) != test.corrections.end();
+}
+
+/// Whoever mixed up the plugs gave each signal the other's name, unit and calibration: the raw numbers change places.
+void swap_columns(const Channels& channels, std::vector<CsvColumn>& columns, Findings& findings) {
+  if (channels.displacement.columns.size() > 1) {
+    findings.add("", "one column of displacement, for swap_columns to put the force there",
+                 list_of(channels.displacement.columns));
+    return;
+  }
+  std::swap(columns[0].values, columns[1].values);
+}
+
+/// A jump back is a fact about the record that identification reports; a column that is no time is refused.
+void check_time(const std::vector<double>& time, const std::string& column, Findings& findings) {
+  std::size_t faults = 0, first = 0;
+  for (std::size_t i = 1; i < time.size(); ++i) {
+    if (time[i] > time[i - 1]) continue;
+    if (faults++ == 0) first = i;
+  }
+  const double allowed = std::max(1.0, k_time_faults * static_cast<double>(time.size()));
+  if (static_cast<double>(faults) <= allowed) return;
+  findings.add("column " + column + ", sample " + std::to_string(first + 1),
+               "a time that goes on from sample to sample",
+               Json(time[first]).dump() + " s after " + Json(time[first - 1]).dump() + " s; " + std::to_string(faults) +
+                   " of " + std::to_string(time.size() - 1) + " steps do not go on");
+}
+
+/// Times of a file without any: from the sample rate, else of a ramp from its rate, else the sample's number.
+void build_time(RigTestEntry& entry) {
+  RigTest& test = entry.test;
+  const std::vector<double>& x = test.displacement;
+  test.time.resize(x.size());
+  const bool ramp = test.kind == TestKind::static_ramp && test.rate.has_value();
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (entry.sample_rate) {
+      test.time[i] = static_cast<double>(i) / *entry.sample_rate;
+    } else if (ramp) {
+      test.time[i] = i == 0 ? 0.0 : test.time[i - 1] + std::abs(x[i] - x[i - 1]) / *test.rate;
+    } else {
+      test.time[i] = static_cast<double>(i);
+    }
+  }
+}
+
+/// The correction divides by the stiffness left at a temperature, relative to that at the reference.
+void check_temperature(const std::vector<double>& temperature, const std::string& column,
+                       const std::optional<ThermalCorrection>& thermal, Findings& findings) {
+  for (std::size_t i = 0; i < temperature.size(); ++i) {
+    const std::string place = "column " + column + ", sample " + std::to_string(i + 1);
+    if (!(temperature[i] > 0.0)) {
+      findings.add(place, "a temperature above absolute zero", Json(temperature[i]).dump() + " K");
+      return;
+    }
+    if (!thermal) continue;
+    const double stiffness = 1.0 + thermal->stiffness_change * (temperature[i] - thermal->reference_temperature);
+    if (!(stiffness > 0.0)) {
+      findings.add(place, "a temperature at which \"thermal\" of rig.json leaves some stiffness",
+                   Json(temperature[i]).dump() + " K, where it leaves " + Json(stiffness).dump());
+      return;
+    }
+  }
+}
+
+}  // namespace
+
+std::string read_rig_columns(const std::filesystem::path& file, const RigSensors& sensors,
+                             const std::optional<ThermalCorrection>& thermal, RigTestEntry& entry, Findings& findings) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw FileError("cannot read " + file.string() + ": " + std::strerror(errno));
+  CsvReader table(stream, findings);
+  if (!findings.empty()) return {};
+  const Channels channels = ColumnFinder(table, findings).find(entry, sensors, thermal.has_value());
+  if (!findings.empty()) return {};
+
+  std::vector<std::string> wanted{channels.displacement.columns.front(), channels.force.columns.front()};
+  if (!channels.time.empty()) wanted.push_back(channels.time);
+  if (!channels.temperature.empty()) wanted.push_back(channels.temperature);
+  const bool two = channels.displacement.columns.size() > 1;
+  if (two) wanted.push_back(channels.displacement.columns[1]);
+  std::vector<CsvColumn> columns = table.read(wanted);
+  if (stream.bad()) throw FileError("cannot read " + file.string() + ": " + std::strerror(errno));
+  RigTest& test = entry.test;
+  if (findings.empty() && is_asked_for(test, CorrectionKind::swap_columns)) swap_columns(channels, columns, findings);
+  if (!findings.empty()) return {};
+
+  test.displacement = converted(columns[0], sensor_of(channels.displacement, 0));
+  test.force = converted(columns[1], sensor_of(channels.force, 0));
+  if (two) average(test, converted(columns.back(), sensor_of(channels.displacement, 1)));
+  test.time_measured = !channels.time.empty();
+  if (test.time_measured) {
+    test.time = converted(columns[2]);
+    check_time(test.time, channels.time, findings);
+  } else {
+    build_time(entry);
+  }
+  if (!channels.temperature.empty()) {
+    test.temperature = converted(columns[test.time_measured ? 3 : 2]);
+    check_temperature(test.temperature, channels.temperature, thermal, findings);
+  }
+  return table.sha256();
+}
+
+}  // namespace grouser
