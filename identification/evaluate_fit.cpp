@@ -1,6 +1,5 @@
 #include "identification/evaluate_fit.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
@@ -11,9 +10,19 @@ namespace {
 
 constexpr std::size_t k_curve_points = 600;
 
-// The test's own force zero, and its drift where several cycles of a block show one, added to the law's force: these
-// belong to the sensor, not to the rubber. A block's line serves all its cycles, used or not.
-void add_sensor_zero(const PreparedTest& test, int block, std::vector<double>& fitted, std::vector<char>& done) {
+// What one block's measured force has beside the modelled one: F = p + offset + slope (i - middle) + gain (p - mean p).
+// Offset and, where several cycles of a block show one, drift belong to the sensor, not to the rubber. All are fitted
+// together: a line fitted alone to n whole cycles of a sine has a slope (I 5).
+struct BlockDifference {
+  double offset = 0.0, slope = 0.0, middle = 0.0;  ///< N, N a sample, samples
+  double samples = 0.0;
+  double change = 0.0;             ///< drift over the used cycles, N
+  double gain = 0.0, power = 0.0;  ///< the gain's say is the modelled force's squared sum
+
+  [[nodiscard]] double zero(std::size_t i) const { return offset + slope * (static_cast<double>(i) - middle); }
+};
+
+BlockDifference difference_of(const PreparedTest& test, int block, const std::vector<double>& modelled) {
   std::vector<std::size_t> rows;
   int cycles = 0;
   for (const Cycle& cycle : test.cycles) {
@@ -21,24 +30,49 @@ void add_sensor_zero(const PreparedTest& test, int block, std::vector<double>& f
     ++cycles;
     for (std::size_t i = cycle.span.begin; i < cycle.span.end; ++i) rows.push_back(i);
   }
-  if (rows.empty()) return;
-  const Eigen::Index unknowns = cycles > 1 ? 2 : 1;
-  Eigen::MatrixXd columns(static_cast<Eigen::Index>(rows.size()), unknowns);
-  Eigen::VectorXd difference(columns.rows());
-  const auto position = [&](std::size_t i) { return static_cast<double>(i) / static_cast<double>(test.force.size()); };
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    const auto row = static_cast<Eigen::Index>(k);
-    columns(row, 0) = 1.0;
-    if (unknowns > 1) columns(row, 1) = position(rows[k]);
-    difference(row) = test.force[rows[k]] - fitted[rows[k]];
+  BlockDifference result;
+  if (rows.empty()) return result;
+  result.samples = static_cast<double>(rows.size());
+  double mean_p = 0.0, mean_f = 0.0;
+  for (const std::size_t i : rows) {
+    mean_p += modelled[i] / result.samples;
+    mean_f += test.force[i] / result.samples;
+    result.middle += static_cast<double>(i) / result.samples;
   }
-  const Eigen::VectorXd line = columns.colPivHouseholderQr().solve(difference);
+  double uu = 0.0, up = 0.0, pp = 0.0, uf = 0.0, pf = 0.0;
+  for (const std::size_t i : rows) {
+    const double u = static_cast<double>(i) - result.middle, p = modelled[i] - mean_p, f = test.force[i] - mean_f - p;
+    uu += u * u, up += u * p, pp += p * p, uf += u * f, pf += p * f;
+  }
+  if (cycles < 2) up = uf = 0.0;  // one cycle cannot tell drift from friction
+  result.offset = mean_f - mean_p;
+  result.power = pp - up * up / uu;
+  result.gain = result.power > 0.0 ? (pf - up * uf / uu) / result.power : 0.0;
+  result.slope = (uf - up * result.gain) / uu;
+  result.change = result.slope * static_cast<double>(rows.back() - rows.front());
+  return result;
+}
+
+// Finds every block's sensor zero and the test's gain, and moves the modelled force by the zero, for all cycles of the
+// block, used or not.
+void take_sensor_zero(const PreparedTest& test, std::vector<double>& modelled, TestFit& result) {
+  double samples = 0.0, power = 0.0;
+  std::vector<BlockDifference> blocks;
+  for (int block = 0; block < test.blocks; ++block) {
+    const BlockDifference one = blocks.emplace_back(difference_of(test, block, modelled));
+    samples += one.samples;
+    power += one.power;
+    result.force_zero += one.samples * one.offset;
+    result.gain += one.power * one.gain;
+    if (std::abs(one.change) > std::abs(result.force_drift)) result.force_drift = one.change;
+  }
+  if (samples > 0.0) result.force_zero /= samples;
+  if (power > 0.0) result.gain /= power;
+  std::vector<char> done(modelled.size(), 0);
   for (const Cycle& cycle : test.cycles) {
-    if (cycle.block != block) continue;
-    for (std::size_t i = cycle.span.begin; i <= cycle.span.end; ++i) {
-      if (done[i]) continue;
+    for (std::size_t i = cycle.span.begin; cycle.followed() && i <= cycle.span.end; ++i) {
+      if (!done[i]) modelled[i] += blocks[static_cast<std::size_t>(cycle.block)].zero(i);
       done[i] = 1;
-      fitted[i] += line(0) + (unknowns > 1 ? line(1) * position(i) : 0.0);
     }
   }
 }
@@ -65,6 +99,9 @@ void accumulate(LoopMeasures& mean, const LoopMeasures& one, double weight) {
   mean.dissipated_energy += weight * one.dissipated_energy;
   mean.equivalent_damping += weight * one.equivalent_damping;
   mean.loss_factor += weight * one.loss_factor;
+  mean.secant_stiffness += weight * one.secant_stiffness;
+  mean.storage_stiffness += weight * one.storage_stiffness;
+  mean.loss_stiffness += weight * one.loss_stiffness;
 }
 
 // Last used cycle of every block.
@@ -119,16 +156,13 @@ TestFit evaluate_fit(const PreparedTest& test, std::vector<double> force) {
   result.name = test.source->name;
   result.axis = test.source->axis;
   result.kind = test.source->kind;
-  result.samples = static_cast<long>(test.force.size());
+  result.samples = static_cast<long>(test.source->force.size());
   result.cycles = static_cast<int>(test.cycles.size());
   result.cycles_used = test.cycles_used();
   result.frequency = test.frequency;
   std::vector<double> fitted = std::move(force);
   const bool modelled = !fitted.empty();
-  if (modelled) {
-    std::vector<char> done(fitted.size(), 0);
-    for (int block = 0; block < test.blocks; ++block) add_sensor_zero(test, block, fitted, done);
-  }
+  if (modelled && test.blocks > 0) take_sensor_zero(test, fitted, result);
   ErrorSums all;
   for (std::size_t k = 0; k < test.cycles.size(); ++k) {
     const Cycle& cycle = test.cycles[k];
@@ -138,9 +172,10 @@ TestFit evaluate_fit(const PreparedTest& test, std::vector<double> force) {
     one.note = cycle.note;
     one.amplitude = cycle.amplitude;
     one.measured = cycle.measured;
-    if (modelled) {
+    if (modelled && cycle.followed()) {
       one.fitted = loop_measures(test.displacement, fitted, fitted, cycle.span, test.frequency);
       if (cycle.open) one.fitted = {.effective_stiffness = one.fitted.effective_stiffness};
+      add_dynamic_stiffness(test, cycle, fitted, one.fitted);
       ErrorSums sums;
       for (std::size_t i = cycle.span.begin; i < cycle.span.end; ++i) {
         sums.add(test.force[i], fitted[i]);

@@ -38,12 +38,6 @@ std::vector<double> regular_time(const std::vector<double>& time) {
   return even;
 }
 
-double median_step(const std::vector<double>& signal) {
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < signal.size(); ++i) steps.push_back(std::abs(signal[i] - signal[i - 1]));
-  return median(std::move(steps));
-}
-
 int samples_per_cycle(const PreparedTest& test) {
   const auto samples = test.cycles.back().span.end - test.cycles.front().span.begin;
   return static_cast<int>(samples / test.cycles.size());
@@ -60,6 +54,7 @@ void measure_cycle(Cycle& cycle, const PreparedTest& test) {
   cycle.centre = 0.5 * (*high + *low);
   cycle.measured = loop_measures(test.displacement, test.force, test.smooth_force, cycle.span, test.frequency);
   if (cycle.open) cycle.measured = {.effective_stiffness = cycle.measured.effective_stiffness};
+  add_dynamic_stiffness(test, cycle, test.force, cycle.measured);
 }
 
 // Closed cycles; a static test may also be one ramp out and no way back, as in the paper.
@@ -199,6 +194,16 @@ int PreparedTest::cycles_used() const {
   return static_cast<int>(std::count_if(cycles.begin(), cycles.end(), [](const Cycle& c) { return c.used; }));
 }
 
+void add_dynamic_stiffness(const PreparedTest& test, const Cycle& cycle, const std::vector<double>& force,
+                           LoopMeasures& measures) {
+  if (test.source->kind != TestKind::cyclic || cycle.open) return;
+  const double turn = test.time[cycle.span.end] - test.time[cycle.span.begin];
+  const std::complex<double> stiffness = dynamic_stiffness(test.time, test.displacement, force, cycle.span,
+                                                           test.frequency > 0.0 ? test.frequency : 1.0 / turn);
+  measures.storage_stiffness = stiffness.real();
+  measures.loss_stiffness = stiffness.imag();
+}
+
 double energy_noise(const PreparedTest& test, const Cycle& cycle) {
   double sum = 0.0;
   for (std::size_t i = cycle.span.begin + 1; i <= cycle.span.end; ++i) {
@@ -206,29 +211,6 @@ double energy_noise(const PreparedTest& test, const Cycle& cycle) {
     sum += dx * dx;
   }
   return test.noise_force * std::sqrt(sum);
-}
-
-LoopMeasures loop_measures(const std::vector<double>& displacement, const std::vector<double>& force,
-                           const std::vector<double>& force_for_range, CycleSpan span, double frequency) {
-  const auto [x_low, x_high] = std::minmax_element(displacement.begin() + static_cast<std::ptrdiff_t>(span.begin),
-                                                   displacement.begin() + static_cast<std::ptrdiff_t>(span.end) + 1);
-  const auto [f_low, f_high] = std::minmax_element(force_for_range.begin() + static_cast<std::ptrdiff_t>(span.begin),
-                                                   force_for_range.begin() + static_cast<std::ptrdiff_t>(span.end) + 1);
-  const double amplitude = 0.5 * (*x_high - *x_low);
-  double area = 0.5 * (force[span.begin] + force[span.end]) * (displacement[span.begin] - displacement[span.end]);
-  for (std::size_t i = span.begin + 1; i <= span.end; ++i) {
-    area += 0.5 * (force[i] + force[i - 1]) * (displacement[i] - displacement[i - 1]);
-  }
-  LoopMeasures measures;
-  measures.dissipated_energy = area;
-  if (!(amplitude > 0.0)) return measures;
-  const double pi_squared_amplitude = std::numbers::pi * amplitude * amplitude;
-  measures.effective_stiffness = (*f_high - *f_low) / (2.0 * amplitude);
-  measures.loss_factor = area / (pi_squared_amplitude * measures.effective_stiffness);
-  if (frequency > 0.0) {
-    measures.equivalent_damping = area / (2.0 * std::numbers::pi * frequency * pi_squared_amplitude);
-  }
-  return measures;
 }
 
 PreparedTest prepare_test(const RigTest& test, const RigRecord& rig, std::vector<FitWarning>& warnings,

@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "identification/signal.h"
+#include "identification/loop_measures.h"
 #include "model/fit.h"
 #include "model/rig.h"
 
@@ -18,6 +18,8 @@ struct Cycle {
   double amplitude = 0.0;  ///< half displacement range, m or rad
   double centre = 0.0;     ///< middle of the displacement range
   LoopMeasures measured;
+  /// False: so long before the first used cycle that its samples are left out of the prepared ones; its span is empty.
+  [[nodiscard]] bool followed() const { return span.end > span.begin; }
 };
 
 /// A test as the fit sees it: displacement of one bushing without the rig's share, cycles cut and sorted.
@@ -38,16 +40,17 @@ struct PreparedTest {
   [[nodiscard]] int cycles_used() const;
 };
 
-/// Loop measures by definition (D 6.1) of samples begin..end, closed by the chord. frequency 0 = unknown.
-[[nodiscard]] LoopMeasures loop_measures(const std::vector<double>& displacement, const std::vector<double>& force,
-                                         const std::vector<double>& force_for_range, CycleSpan span, double frequency);
+/// Adds storage and loss stiffness of a force over one cycle of the test's displacement, at the fitted frequency; where
+/// the rate is unknown, at one turn a cycle. Ramps have none.
+void add_dynamic_stiffness(const PreparedTest& test, const Cycle& cycle, const std::vector<double>& force,
+                           LoopMeasures& measures);
 
 /// Random part of one cycle's loop area [J]: force noise on every step of the displacement.
 [[nodiscard]] double energy_noise(const PreparedTest& test, const Cycle& cycle);
 
 /// Applies the corrections that the rig file asks for, cuts cycles, measures them, decides which enter the fit; adds to
-/// `warnings` what the data show (drift, clipped sensor, swapped columns, reversed polarity, wrong frequency, ...) and to
-/// `corrections` what was put right and by how much.
+/// `warnings` what the data show (drift, clipped sensor, swapped columns, reversed polarity, wrong frequency, ...) and
+/// to `corrections` what was put right and by how much.
 [[nodiscard]] PreparedTest prepare_test(const RigTest& test, const RigRecord& rig, std::vector<FitWarning>& warnings,
                                         std::vector<AppliedCorrection>& corrections);
 

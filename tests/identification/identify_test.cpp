@@ -79,6 +79,24 @@ TEST(Identify, KeepsTheSoundTestsWhenOneIsSwapped) {
   EXPECT_LT(result.fit.tests[0].nrmse, 0.01);
 }
 
+TEST(Identify, ReportsTheSensorsZeroItsDriftAndTheTestsGain) {
+  // Two equal records; the second has a zero, a drift and 4 % more force. Both weigh the same, so the law lies midway.
+  const auto law = [](double x, double rate) { return 1e7 * x + 1e4 * rate; };
+  RigTest plain = sine_test(1e-3, 5.0, 8, 200, law), shifted = plain;
+  shifted.name = "shifted";
+  const double duration = shifted.time.back();
+  for (std::size_t i = 0; i < shifted.force.size(); ++i) {
+    shifted.force[i] = 1.04 * shifted.force[i] + 500.0 + 200.0 * (shifted.time[i] / duration - 0.5);
+  }
+  const std::vector<TestFit> tests = identify(record_of({plain, shifted})).fit.tests;
+  // both are held against the same law, somewhere between them
+  EXPECT_NEAR((1.0 + tests[1].gain) / (1.0 + tests[0].gain), 1.04, 1e-3);
+  EXPECT_NEAR(tests[0].force_drift, 0.0, 1.0);
+  const double used = static_cast<double>(tests[1].cycles_used) / 8.0;  // the last ones
+  EXPECT_NEAR(tests[1].force_drift, 200.0 * used, 2.0);
+  EXPECT_NEAR(tests[1].force_zero - tests[0].force_zero, 500.0 + 100.0 * (1.0 - used), 5.0);
+}
+
 TEST(Identify, StopsWhenItsCallerAsks) {
   const RigTest test = sine_test(1e-3, 1.0, 5, 200, [](double x, double rate) { return 1e7 * x + 1e4 * rate; });
   EXPECT_THROW((void)identify(record_of({test}), {}, [](const ProgressReport&) { return false; }), NumericalError);
