@@ -164,15 +164,12 @@ void add_stops(const AxisStep& step, const Lanes& dx, const YieldScales<Scale>& 
   }
 }
 
-/// Stops whose yields grow with the displacement. A yield that shrinks faster than the displacement returns drags the
-/// stop with it: its tangent is k |dr/dx| then, more than k.
-void add_growing_stops(const AxisStep& step, const Lanes& x, const Lanes& dx, AxisForce& sum, BlockEnergy& energy) {
+/// Stops whose yields grow with the displacement: no stiffer than k, for a stop never rises faster than x. Out of line,
+/// so that laws without growth do not carry it.
+[[gnu::noinline]] void add_growing_stops(const AxisStep& step, const Lanes& x, const Lanes& dx, AxisForce& sum,
+                                         BlockEnergy& energy) {
   const double growth = step.axis.yield_growth;
   add_stops<Lanes>(step, dx, {yield_scale(growth, Lanes(x - dx)), yield_scale(growth, x)}, sum, energy);
-  const Lanes scale_slope = 2.0 * growth * x.abs();
-  for (const FrictionStop& stop : step.axis.stops) {
-    sum.stiffness += stop.stiffness * (stop.yield * scale_slope - 1.0).max(0.0);
-  }
 }
 
 void add_branches(const AxisStep& step, const Lanes& dx, AxisForce& sum, BlockEnergy& energy) {
