@@ -39,6 +39,7 @@ bool CsvLines::fill() {
 }
 
 bool CsvLines::next(std::string_view& line) {
+  if (too_long_) return false;
   const char* const start = piece_.data();
   const auto* newline = static_cast<const char*>(std::memchr(start + begin_, '\n', end_ - begin_));
   if (newline == nullptr) {

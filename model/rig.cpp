@@ -134,7 +134,9 @@ class RigReader {
     findings_.throw_if_any();
     for (RigTestEntry& entry : entries_) rig_.tests.push_back(std::move(entry.test));
     for (RigSensor& s : sensors_.displacement) rig_.displacement_sensors.push_back(std::move(s.calibration));
-    if (!sensors_.force.empty()) rig_.force_sensor = std::move(sensors_.force.front().calibration);
+    for (RigSensor& s : sensors_.force) {
+      (s.quantity == d::torque ? rig_.torque_sensor : rig_.force_sensor) = std::move(s.calibration);
+    }
     if (rig_.synthetic) rig_.provenance.synthetic.push_back(rig_.synthetic_note);
     return std::move(rig_);
   }
@@ -173,10 +175,23 @@ class RigReader {
   void read_sensors(ObjectReader& reader) {
     reader.each_optional("displacement",
                          [this](ObjectReader& r) { sensors_.displacement.push_back(read_sensor(r, false)); });
-    reader.optional_object("force", [this](ObjectReader& r) { sensors_.force.push_back(read_sensor(r, true)); });
-    const auto lvdts = std::count_if(sensors_.displacement.begin(), sensors_.displacement.end(),
-                                     [](const RigSensor& s) { return s.quantity == d::length; });
-    if (lvdts > 2) reader.report("displacement", "one or two LVDTs", std::to_string(lvdts));
+    for (const char* const cell : {"force", "torque"}) {
+      reader.optional_object(cell, [this](ObjectReader& r) { sensors_.force.push_back(read_sensor(r, true)); });
+    }
+    check_count(reader, sensors_.displacement, "displacement", d::length, 2);
+    check_count(reader, sensors_.displacement, "displacement", d::angle, 2);
+    check_count(reader, sensors_.force, "torque", d::force, 1);
+    check_count(reader, sensors_.force, "torque", d::torque, 1);
+  }
+
+  static void check_count(ObjectReader& reader, const std::vector<RigSensor>& sensors, const char* key,
+                          const Dimension& quantity, long most) {
+    const auto found =
+        std::count_if(sensors.begin(), sensors.end(), [&](const RigSensor& s) { return s.quantity == quantity; });
+    if (found <= most) return;
+    reader.report(key,
+                  "at most " + std::to_string(most) + " that measure" + (most == 1 ? "s " : " ") + name_of(quantity),
+                  std::to_string(found));
   }
 
   void check_names(ObjectReader& reader) {

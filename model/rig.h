@@ -62,7 +62,7 @@ struct RigTest {
   bool time_measured = false;
   std::vector<double> displacement;         ///< m or rad; mean of the LVDTs when there are two
   std::vector<double> force;                ///< N or N m
-  std::vector<double> tilt;                 ///< half difference of two LVDTs [m]; empty with one
+  std::vector<double> tilt;                 ///< half difference of two LVDTs [m] or angle sensors [rad]; empty with one
   std::vector<double> temperature;          ///< K of the specimen; empty without a temperature_* column
   std::vector<CorrectionKind> corrections;  ///< asked for by the file for all tests or for this one
 };
@@ -80,7 +80,8 @@ struct RigRecord {
   double moving_inertia = 0.0;  ///< kg m^2 between specimen and torque cell, turning with the angle (rx, ry, rz)
   std::optional<ThermalCorrection> thermal;             ///< needs a temperature column in every test
   std::vector<SensorCalibration> displacement_sensors;  ///< empty = columns found by name
-  std::optional<SensorCalibration> force_sensor;
+  std::optional<SensorCalibration> force_sensor;        ///< of tests on x, y, z
+  std::optional<SensorCalibration> torque_sensor;       ///< of tests on rx, ry, rz
   std::vector<RigTest> tests;
   Provenance provenance;  ///< inputs = rig.json and every CSV
 };

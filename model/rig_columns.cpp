@@ -1,14 +1,16 @@
 #include "model/rig_columns.h"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cerrno>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 
 #include "model/calibration.h"
 #include "model/csv.h"
-#include "model/json_document.h"
 
 namespace grouser {
 namespace {
@@ -36,9 +38,18 @@ std::string list_of(const std::vector<std::string>& names, const char* between =
   return text.empty() ? "none" : text;
 }
 
-/// "force_*" holds force_kN and force_a_kN.
+/// For messages; six digits say enough.
+std::string short_number(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.6g", value);
+  return text.data();
+}
+
+/// "force_*" holds force_kN, force_a_kN and Force_kN.
 bool is_member(const std::string& name, const std::string& family) {
-  return name == family || name.rfind(family + "_", 0) == 0;
+  std::string start = name.substr(0, family.size());
+  for (char& c : start) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return start == family && (name.size() == family.size() || name[family.size()] == '_');
 }
 
 /// Finds the columns of one file by their names.
@@ -54,7 +65,8 @@ class ColumnFinder {
     channels.displacement =
         channel(entry.named.displacement, {"displacement", "angle"}, sensors.displacement, displacement_of(axis));
     channels.force = channel(entry.named.force, {"force", "torque"}, sensors.force, force_of(axis));
-    channels.temperature = needs_temperature ? find_column(entry.named.temperature, {"temperature"}, d::temperature)
+    channels.temperature = needs_temperature ? find_column(entry.named.temperature, {"temperature"}, d::temperature,
+                                                           ", which \"thermal\" in rig.json needs")
                                              : find_temperature(entry.named.temperature);
     return channels;
   }
@@ -93,42 +105,40 @@ class ColumnFinder {
     return found;
   }
 
-  [[nodiscard]] std::vector<std::string> members_of(const std::vector<std::string>& families) const {
-    std::vector<std::string> members;
+  /// Columns of a family ("displacement_*"), else all of that dimension.
+  [[nodiscard]] std::vector<std::string> candidates_for(const std::vector<std::string>& families,
+                                                        const Dimension& dimension) const {
+    std::vector<std::string> of_family, of_dimension;
     for (const std::string& name : names_) {
       const auto split = split_name_and_unit(name);
+      if (!split) continue;
       const auto is_of = [&](const std::string& family) { return is_member(split->name, family); };
-      if (split && std::any_of(families.begin(), families.end(), is_of)) members.push_back(name);
+      if (std::any_of(families.begin(), families.end(), is_of)) of_family.push_back(name);
+      if (split->unit.dimension == dimension) of_dimension.push_back(name);
     }
-    return members;
+    return of_family.empty() ? of_dimension : of_family;
   }
 
-  /// Empty where the file has no column of the family and rig.json names none.
+  /// Empty where the file has no such column and rig.json names none.
   std::string find_optional(const std::string& named, const std::string& family, const Dimension& dimension) {
-    if (named.empty() && members_of({family}).empty()) return {};
+    if (named.empty() && candidates_for({family}, dimension).empty()) return {};
     return find_column(named, {family}, dimension);
   }
 
   /// A temperature that nothing needs is kept where it is plain which one it is.
   std::string find_temperature(const std::string& named) {
-    if (named.empty() && members_of({"temperature"}).size() != 1) return {};
+    if (named.empty() && candidates_for({"temperature"}, d::temperature).size() != 1) return {};
     return find_optional(named, "temperature", d::temperature);
   }
 
-  /// The named column; else the one of a family ("displacement_*"); else the only one of that dimension.
+  /// The named column, else the only candidate.
   std::string find_column(const std::string& named, const std::vector<std::string>& families,
-                          const Dimension& dimension) {
+                          const Dimension& dimension, const char* reason = "") {
     if (!named.empty()) return checked(named, dimension);
-    std::vector<std::string> candidates = members_of(families);
-    if (candidates.empty()) {
-      for (const std::string& name : names_) {
-        const auto split = split_name_and_unit(name);
-        if (split && split->unit.dimension == dimension) candidates.push_back(name);
-      }
-    }
+    const std::vector<std::string> candidates = candidates_for(families, dimension);
     if (candidates.size() == 1) return checked(candidates.front(), dimension);
     const std::string expected =
-        "a column " + list_of(families, " or ", "_*") + " with a unit of " + name_of(dimension);
+        "a column " + list_of(families, " or ", "_*") + " with a unit of " + name_of(dimension) + reason;
     if (candidates.empty()) {
       findings_.add(place_, expected, list_of(names_), "rig.json may name it under \"columns\"");
     } else {
@@ -202,8 +212,8 @@ void check_time(const std::vector<double>& time, const std::string& column, Find
   if (static_cast<double>(faults) <= allowed) return;
   findings.add("column " + column + ", sample " + std::to_string(first + 1),
                "a time that goes on from sample to sample",
-               Json(time[first]).dump() + " s after " + Json(time[first - 1]).dump() + " s; " + std::to_string(faults) +
-                   " of " + std::to_string(time.size() - 1) + " steps do not go on");
+               short_number(time[first]) + " s after " + short_number(time[first - 1]) + " s; " +
+                   std::to_string(faults) + " of " + std::to_string(time.size() - 1) + " steps do not go on");
 }
 
 /// Times of a file without any: from the sample rate, else of a ramp from its rate, else the sample's number.
@@ -229,14 +239,14 @@ void check_temperature(const std::vector<double>& temperature, const std::string
   for (std::size_t i = 0; i < temperature.size(); ++i) {
     const std::string place = "column " + column + ", sample " + std::to_string(i + 1);
     if (!(temperature[i] > 0.0)) {
-      findings.add(place, "a temperature above absolute zero", Json(temperature[i]).dump() + " K");
+      findings.add(place, "a temperature above absolute zero", short_number(temperature[i]) + " K");
       return;
     }
     if (!thermal) continue;
     const double stiffness = 1.0 + thermal->stiffness_change * (temperature[i] - thermal->reference_temperature);
     if (!(stiffness > 0.0)) {
       findings.add(place, "a temperature at which \"thermal\" of rig.json leaves some stiffness",
-                   Json(temperature[i]).dump() + " K, where it leaves " + Json(stiffness).dump());
+                   short_number(temperature[i]) + " K, where it leaves " + short_number(stiffness));
       return;
     }
   }

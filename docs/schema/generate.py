@@ -24,7 +24,8 @@ UNITS = {
     "inverse area": f"per_{LENGTH}2", "inverse squared angle": f"per_{ANGLE}2", "inverse temperature": "per_K",
     "temperature": "(K|degC|degF)", "density": f"{MASS}_per_{VOLUME}",
     "area per pressure": f"{AREA}_per_(Pa|kPa|MPa|GPa|bar)", "voltage": VOLT,
-    "sensitivity": f"({LENGTH}|{ANGLE}|{FORCE}|{TORQUE})_per_{VOLT}",
+    "reading": f"{VOLT}(_per_{VOLT})?",
+    "sensitivity": f"({LENGTH}|{ANGLE}|{FORCE}|{TORQUE})(_{VOLT})?_per_{VOLT}",
 }
 
 NUMBER, TEXT, BOOLEAN = {"type": "number"}, {"type": "string"}, {"type": "boolean"}
@@ -107,24 +108,30 @@ AXES = ["x", "y", "z", "rx", "ry", "rz"]
 
 def sensor(displacements):
     names = {name + "_": (dimension, NUMBERS) for name, dimension in displacements.items()}
-    calibration = record(reading=("voltage", NUMBERS), **names)
-    return record(column=TEXT, sensitivity=("sensitivity", NUMBER), offset_=("voltage", NUMBER), linearity_=NUMBERS,
+    calibration = record(reading=("reading", NUMBERS), **names)
+    return record(column=TEXT, sensitivity=("sensitivity", NUMBER), offset_=("reading", NUMBER), linearity_=NUMBERS,
                   record_=calibration)
 
 
-COLUMNS = record(time_=TEXT, displacement_=TEXT, angle_=TEXT, force_=TEXT, torque_=TEXT)
+COLUMNS = record(time_=TEXT, displacement_=TEXT, angle_=TEXT, force_=TEXT, torque_=TEXT, temperature_=TEXT)
+CORRECTIONS = list_of(one_of("swap_columns", "reverse_force", "remove_backlash", "remove_creep", "remove_conditioning",
+                             "segment_at_jumps"))
 RIG_TEST = record(name=TEXT, axis=one_of(*AXES), kind=one_of("static", "cyclic"), file=TEXT, columns_=COLUMNS,
                   rate_=("speed|angular speed", POSITIVE), frequency_=("frequency", POSITIVE),
                   amplitude_=("length|angle", POSITIVE), preset_=("length|angle", NUMBER),
-                  sample_rate_=("frequency", POSITIVE), discard_cycles_=whole(0))
+                  sample_rate_=("frequency", POSITIVE), discard_cycles_=whole(0),
+                  corrections_=CORRECTIONS)
 RIG = document(
     "rig", "Measurement campaign on one specimen",
     specimen=record(name=TEXT, bushings_in_series_=whole(1), geometry_={"type": "object"}),
-    rig_compliance_=("compliance", NOT_NEGATIVE),
+    rig_compliance_=("compliance", NOT_NEGATIVE), rig_angular_compliance_=("angular compliance", NOT_NEGATIVE),
+    moving_mass_=("mass", NOT_NEGATIVE), moving_inertia_=("inertia", NOT_NEGATIVE), corrections_=CORRECTIONS,
+    thermal_=record(stiffness_change=("inverse temperature", NUMBER), reference_temperature=("temperature", NUMBER)),
     synthetic_={"type": "object", "properties": {"note": TEXT, "seed": whole(0), "truth": ANYTHING},
                 "additionalProperties": False, "required": ["note"]},
     sensors_=record(displacement_=list_of(sensor({"displacement": "length", "angle": "angle"})),
-                    force_=sensor({"force": "force", "torque": "torque"})),
+                    force_=sensor({"force": "force", "torque": "torque"}),
+                    torque_=sensor({"force": "force", "torque": "torque"})),
     tests=list_of(RIG_TEST, 1))
 
 

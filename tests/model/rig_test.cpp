@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
+#include <sstream>
+
 #include "model/errors.h"
 #include "tests/support/test_data.h"
 
@@ -80,6 +83,111 @@ TEST(RigSensors, AreLeftOutWhereAFileHasQuantitiesOfItsOwn) {
   const std::string sensors = R"("sensors": {"force": {"column": "load_V", "sensitivity_kN_per_V": 10}}, )";
   const RigRecord record = read_rig(folder.write("rig.json", rig("a.csv", R"("kind": "cyclic")", sensors, "rx")));
   EXPECT_DOUBLE_EQ(record.tests.at(0).force[1], 1.0);
+}
+
+TEST(RigSensors, MeasureTorqueAndAngleAsWell) {
+  const TemporaryFolder folder;
+  folder.write("torsion.csv", "time_s,turn_V,cell_mV_per_V\n0,0,0\n1,2,1.5\n");
+  folder.write("pull.csv", "time_s,lvdt_V,load_V\n0,0,0\n1,2,1\n");
+  const std::string text = R"({"format": "grouser.rig/1", "specimen": {"name": "s"}, "sensors": {
+      "displacement": [{"column": "turn_V", "sensitivity_deg_per_V": 3}, {"column": "lvdt_V", "sensitivity_mm_per_V": 0.5}],
+      "force": {"column": "load_V", "sensitivity_kN_per_V": 12},
+      "torque": {"column": "cell_mV_per_V", "sensitivity_N_m_V_per_mV": 250, "offset_mV_per_V": 0.5,
+                 "record": {"reading_mV_per_V": [0.5, 2.5], "torque_N_m": [0, 505]}}},
+      "tests": [{"name": "a", "axis": "ry", "kind": "cyclic", "file": "torsion.csv"},
+                {"name": "b", "axis": "x", "kind": "cyclic", "file": "pull.csv"}]})";
+  const RigRecord record = read_rig(folder.write("rig.json", text));
+  EXPECT_DOUBLE_EQ(record.tests.at(0).displacement[1], 6.0 * 3.14159265358979323846 / 180.0);
+  EXPECT_DOUBLE_EQ(record.tests.at(0).force[1], 250.0);
+  EXPECT_DOUBLE_EQ(record.tests.at(1).displacement[1], 1e-3);
+  EXPECT_DOUBLE_EQ(record.tests.at(1).force[1], 12e3);
+  EXPECT_NEAR(calibration_residual(*record.torque_sensor), 5.0 / 505.0, 1e-12);
+}
+
+TEST(RigCorrections, AreThoseOfTheFileAndOfTheTest) {
+  const TemporaryFolder folder;
+  folder.write("a.csv", "time_s,displacement_mm,force_kN\n0,0,0\n1,1,1\n");
+  const std::string of_test = R"("kind": "cyclic", "corrections": ["remove_creep", "reverse_force"])";
+  const std::string of_rig = R"("corrections": ["reverse_force", "segment_at_jumps"], "moving_mass_g": 500,
+      "moving_inertia_kg_mm2": 2e6, "rig_angular_compliance_deg_per_kN_m": 0.18,
+      "thermal": {"stiffness_change_per_K": -0.003, "reference_temperature_degF": 73.4}, )";
+  folder.write("a.csv", "time_s,displacement_mm,force_kN,temperature_degC\n0,0,0,23\n1,1,1,25\n");
+  const RigRecord record = read_rig(folder.write("rig.json", rig("a.csv", of_test, of_rig)));
+  EXPECT_EQ(record.tests.at(0).corrections, (std::vector{CorrectionKind::reverse_force, CorrectionKind::remove_creep,
+                                                         CorrectionKind::segment_at_jumps}));
+  EXPECT_DOUBLE_EQ(record.tests.at(0).force[1], 1e3);  // only swap_columns is the reader's own work
+  EXPECT_DOUBLE_EQ(record.moving_mass, 0.5);
+  EXPECT_DOUBLE_EQ(record.moving_inertia, 2.0);
+  EXPECT_DOUBLE_EQ(record.rig_angular_compliance, 0.18e-3 * 3.14159265358979323846 / 180.0);
+  EXPECT_DOUBLE_EQ(record.thermal->stiffness_change, -0.003);
+  EXPECT_DOUBLE_EQ(record.thermal->reference_temperature, 296.15);
+  EXPECT_EQ(record.tests.at(0).temperature, (std::vector<double>{296.15, 298.15}));
+}
+
+TEST(RigCorrections, AreNoneUnlessAskedFor) {
+  const TemporaryFolder folder;
+  folder.write("a.csv", "time_s,displacement_mm,force_kN\n0,0,0\n1,1,1\n");
+  const RigRecord record = read_rig(folder.write("rig.json", rig("a.csv", R"("kind": "cyclic")")));
+  EXPECT_TRUE(record.tests.at(0).corrections.empty());
+  EXPECT_TRUE(record.tests.at(0).temperature.empty());
+  EXPECT_FALSE(record.thermal);
+  EXPECT_EQ(record.moving_mass, 0.0);
+}
+
+TEST(RigCorrections, SwapRawNumbersBeforeUnitsAndCalibration) {
+  const TemporaryFolder folder;
+  folder.write("plain.csv", "time_s,displacement_mm,force_kN\n0,0,0\n1,40,0.5\n");
+  folder.write("volts.csv", "time_s,lvdt_V,load_V\n0,0,0\n1,3,2\n");
+  const std::string swap = R"("kind": "cyclic", "corrections": ["swap_columns"])";
+  const RigTest plain = read_rig(folder.write("rig.json", rig("plain.csv", swap))).tests.at(0);
+  EXPECT_DOUBLE_EQ(plain.displacement[1], 0.5e-3);
+  EXPECT_DOUBLE_EQ(plain.force[1], 40e3);
+  const std::string sensors = R"("sensors": {"displacement": [{"column": "lvdt_V", "sensitivity_mm_per_V": 0.25}],
+      "force": {"column": "load_V", "sensitivity_kN_per_V": 12}}, )";
+  const RigTest volts = read_rig(folder.write("rig.json", rig("volts.csv", swap, sensors))).tests.at(0);
+  EXPECT_DOUBLE_EQ(volts.displacement[1], 0.5e-3);
+  EXPECT_DOUBLE_EQ(volts.force[1], 36e3);
+  EXPECT_EQ(volts.corrections, std::vector{CorrectionKind::swap_columns});  // identification lists it
+}
+
+/// A cyclic record at 100 Hz whose clock is changed by `clock(i, t)`.
+std::string record_with_clock(const std::function<double(int, double)>& clock) {
+  std::ostringstream table;
+  table << "time_s,displacement_mm,force_kN\n";
+  for (int i = 0; i < 1000; ++i) table << clock(i, 0.01 * i) << "," << i % 7 << "," << i % 5 << "\n";
+  return table.str();
+}
+
+TEST(RigTime, MayJumpAndRepeatStampsNowAndThen) {
+  const TemporaryFolder folder;
+  folder.write("restart.csv", record_with_clock([](int i, double t) { return i < 600 ? t : t - 6.0; }));
+  folder.write("repeated.csv", record_with_clock([](int i, double t) { return i % 150 == 1 ? t - 0.01 : t; }));
+  folder.write("pause.csv", record_with_clock([](int i, double t) { return i < 300 ? t : t + 100.0; }));
+  for (const char* const file : {"restart.csv", "repeated.csv", "pause.csv"}) {
+    const RigRecord record = read_rig(folder.write("rig.json", rig(file, R"("kind": "cyclic")")));
+    EXPECT_EQ(record.tests.at(0).time.size(), 1000u) << file;
+  }
+}
+
+TEST(RigTime, IsRefusedWhereItIsNoTime) {
+  const TemporaryFolder folder;
+  folder.write("saw.csv", record_with_clock([](int i, double) { return i % 50; }));  // 19 falls in 999 steps
+  folder.write("coarse.csv", record_with_clock([](int i, double) { return i / 2; }));
+  for (const char* const file : {"saw.csv", "coarse.csv"}) {
+    EXPECT_THROW(static_cast<void>(read_rig(folder.write("rig.json", rig(file, R"("kind": "cyclic")")))), InputError);
+  }
+}
+
+TEST(RigFile, ReadsALoggersFileWithUnitsInARowOfTheirOwn) {
+  const TemporaryFolder folder;
+  folder.write("a.csv",
+               "Bench 4;run_17\n\nTime;Displacement;Force;Temperature\n[s];[mm];[kN];[\xC2\xB0"
+               "C]\n0;0;0;23\n0,1;0,5;40;23,5\n");
+  const RigTest test = read_rig(folder.write("rig.json", rig("a.csv", R"("kind": "cyclic")"))).tests.at(0);
+  EXPECT_DOUBLE_EQ(test.time[1], 0.1);
+  EXPECT_DOUBLE_EQ(test.displacement[1], 5e-4);
+  EXPECT_DOUBLE_EQ(test.force[1], 40e3);
+  EXPECT_DOUBLE_EQ(test.temperature[1], 296.65);
 }
 
 TEST(RigFile, SaysSoWhenDataAreSynthetic) {

@@ -69,6 +69,14 @@ const std::vector<Mutation>& mutations() {
        [](Json& j) {
          j["sensors"]["force"] = {{"column", "force_kN"}};
        }},
+      {"rig", "unknown_correction", [](Json& j) { j["tests"][0]["corrections"][0] = "make_it_good"; }},
+      {"rig", "correction_without_array", [](Json& j) { j["corrections"] = "reverse_force"; }},
+      {"rig", "floating_mass", [](Json& j) { j["moving_mass_kg"] = -4; }},
+      {"rig", "frame_in_millimetres",
+       [](Json& j) { rename(j, "rig_angular_compliance_deg_per_N_m", "rig_angular_compliance_mm_per_N"); }},
+      {"rig", "softening_of_nothing", [](Json& j) { j["thermal"].erase("reference_temperature_degC"); }},
+      {"rig", "softening_per_second",
+       [](Json& j) { rename(j["thermal"], "stiffness_change_per_K", "stiffness_change_per_s"); }},
       {"fit", "negative_count", [](Json& j) { j["tests"][0]["cycles"] = -1; }},
       {"fit", "measure_of_another_axis",
        [](Json& j) { rename(j["tests"][0], "effective_stiffness_N_per_m", "effective_stiffness_N_m_per_rad"); }},
@@ -118,10 +126,14 @@ std::map<std::string, Json> valid_documents(const TemporaryFolder& folder) {
   documents["scenario"] = parsed(test_data("scenarios/run_a.json"));
   documents["scenario"]["vehicle"] = test_data("vehicles/reference.json").string();
   documents["scenario"]["bushing"] = test_data("broken/good_bushing.json").string();
-  folder.write("loop.csv", "time_s,displacement_mm,force_kN\n0,0,0\n1,1,1\n");
+  folder.write("loop.csv", "time_s,displacement_mm,force_kN,temperature_degC\n0,0,0,23\n1,1,1,24\n");
   documents["rig"] = Json::parse(R"({"format": "grouser.rig/1", "specimen": {"name": "s", "bushings_in_series": 2},
-      "rig_compliance_mm_per_kN": 0.001, "synthetic": {"note": "n", "seed": 1, "truth": {}},
-      "tests": [{"name": "t", "axis": "x", "kind": "cyclic", "file": "loop.csv", "frequency_Hz": 1, "amplitude_mm": 1}]})");
+      "rig_compliance_mm_per_kN": 0.001, "rig_angular_compliance_deg_per_N_m": 1e-6, "moving_mass_kg": 4,
+      "moving_inertia_kg_m2": 0.1, "corrections": ["reverse_force"],
+      "thermal": {"stiffness_change_per_K": -0.003, "reference_temperature_degC": 23},
+      "sensors": {"displacement": [{"column": "lvdt_a_mV_per_V", "sensitivity_mm_V_per_mV": 0.02}],
+                  "torque": {"column": "cell_V", "sensitivity_N_m_per_V": 50, "offset_mV": 3}}, "synthetic": {"note": "n", "seed": 1, "truth": {}},
+      "tests": [{"name": "t", "axis": "x", "kind": "cyclic", "file": "loop.csv", "frequency_Hz": 1, "amplitude_mm": 1, "corrections": ["segment_at_jumps", "remove_creep"]}]})");
   write_fit(small_fit(), folder.path() / "written");
   documents["fit"] = parsed(folder.path() / "written");
   write_run_summary(small_run(), folder.path() / "written");
