@@ -1,0 +1,30 @@
+#pragma once
+#include <filesystem>
+#include <vector>
+
+#include "model/bushing.h"
+
+/// Bushings as likely as the fitted one in the light of the data: folder/bushing_01.json, bushing_02.json ... Each is
+/// an ordinary bushing file, so that a run with each of them shows what the uncertainty of the fit does to the vehicle.
+namespace grouser {
+
+/// A folder of draws in the making. Only publish() makes it seen, and what stood there before is gone by then: a reader
+/// never finds a part of the draws, nor draws that belong to another fit.
+class BushingDraws {
+ public:
+  /// Removes what an earlier fit left at `folder`, and writes the draws beside it; none for an empty list. The
+  /// draws' names are the caller's ("..., draw 3 of 60").
+  BushingDraws(const std::vector<Bushing>& draws, const std::filesystem::path& folder);
+  /// Leaves nothing behind unless published.
+  ~BushingDraws();
+  BushingDraws(const BushingDraws&) = delete;
+  BushingDraws& operator=(const BushingDraws&) = delete;
+
+  void publish();
+
+ private:
+  std::filesystem::path folder_, part_;
+  bool any_;
+};
+
+}  // namespace grouser
