@@ -14,8 +14,8 @@ using Rgb = std::array<float, 3>;  ///< sRGB, 0..1
 enum class SeriesStyle { line, dashed, points, steps };
 
 struct Series {
-  std::string name;          ///< legend; empty = none
-  std::vector<double> x, y;  ///< same length; NaN breaks the line
+  std::string name{};            ///< legend; empty = none
+  std::vector<double> x{}, y{};  ///< same length; NaN breaks the line
   SeriesStyle style = SeriesStyle::line;
   float width = 1.4f;          ///< CSS pixels
   std::optional<Rgb> color{};  ///< default: the palette by order
@@ -24,8 +24,8 @@ struct Series {
 
 /// Filled between low and high over x (interval bands).
 struct Band {
-  std::string name;
-  std::vector<double> x, low, high;
+  std::string name{};
+  std::vector<double> x{}, low{}, high{};
   std::optional<Rgb> color{};
   std::optional<int> hue{};  ///< as of a series
 };
@@ -38,21 +38,21 @@ struct Mark {
 };
 
 struct Panel {
-  std::string title;
-  std::string x_label, y_label;  ///< "Time t [s]"; markup _{..} and ^{..}
-  std::vector<Series> series;
-  std::vector<Band> bands;
-  std::vector<Mark> marks;
-  std::optional<std::array<double, 2>> x_range, y_range;
+  std::string title{};
+  std::string x_label{}, y_label{};  ///< "Time t [s]"; markup _{..} and ^{..}
+  std::vector<Series> series{};
+  std::vector<Band> bands{};
+  std::vector<Mark> marks{};
+  std::optional<std::array<double, 2>> x_range{}, y_range{};
   bool log_x = false, log_y = false;
   bool zero_lines = false;  ///< draw x = 0 and y = 0
 };
 
 struct Figure {
-  std::string name;  ///< file and command name: "step_size"
-  std::string title;
-  std::string caption;        ///< one or two sentences for reports
-  std::vector<Panel> panels;  ///< stacked, sharing the x axis when share_x, else in a grid of `columns`
+  std::string name{};  ///< file and command name: "step_size"
+  std::string title{};
+  std::string caption{};        ///< one or two sentences for reports
+  std::vector<Panel> panels{};  ///< stacked, sharing the x axis when share_x, else in a grid of `columns`
   bool share_x = false;
   int columns = 1;
   int width = 800, height = 400;  ///< CSS pixels of the whole figure

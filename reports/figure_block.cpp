@@ -87,6 +87,87 @@ json chart_panel(const Panel& panel, bool over_time, std::vector<float>& values)
   return chart;
 }
 
+// --------------------------------------------------------------------------------------------------- small multiples
+
+const char* look_of(SeriesStyle style) {
+  return style == SeriesStyle::points ? "dots" : style == SeriesStyle::dashed ? "dashed" : "line";
+}
+
+std::string page_color(const std::optional<Rgb>& color, int entry) {
+  if (!color) return fmt::format("var(--s{})", entry % 8 + 1);
+  return fmt::format("rgb({:.0f},{:.0f},{:.0f})", 255.0f * (*color)[0], 255.0f * (*color)[1], 255.0f * (*color)[2]);
+}
+
+/// One legend for all panels: every name once, in order of appearance.
+json legend_facts(const Figure& figure) {
+  json entries = json::array();
+  std::set<std::string> seen;
+  for (const Panel& panel : figure.panels) {
+    for (std::size_t i = 0; i < panel.series.size(); ++i) {
+      const Series& series = panel.series[i];
+      if (!series.name.empty() && seen.insert(series.name).second)
+        entries.push_back({{"name", series.name},
+                           {"look", look_of(series.style)},
+                           {"color", page_color(series.color, series.hue.value_or(static_cast<int>(i)))}});
+    }
+    for (std::size_t i = 0; i < panel.bands.size(); ++i) {
+      const Band& band = panel.bands[i];
+      if (!band.name.empty() && seen.insert(band.name).second)
+        entries.push_back({{"name", band.name},
+                           {"look", "band"},
+                           {"color", page_color(band.color, band.hue.value_or(static_cast<int>(i)))}});
+    }
+  }
+  return entries;
+}
+
+/// Five digits: more than a picture shows, and no round-off to tell two equal pages apart.
+json numbers(const std::vector<double>& values) {
+  json list = json::array();
+  for (const double value : values)
+    list.push_back(std::isfinite(value) ? json::parse(fmt::format("{:.5g}", value)) : json());
+  return list;
+}
+
+/// The plotted numbers, for the twin.
+json panel_data(const Panel& panel) {
+  json data{{"title", panel.title},    {"x_label", panel.x_label}, {"y_label", panel.y_label},
+            {"series", json::array()}, {"bands", json::array()},   {"marks", json::array()}};
+  for (const Series& series : panel.series)
+    data["series"].push_back({{"name", series.name}, {"x", numbers(series.x)}, {"y", numbers(series.y)}});
+  for (const Band& band : panel.bands)
+    data["bands"].push_back(
+        {{"name", band.name}, {"x", numbers(band.x)}, {"low", numbers(band.low)}, {"high", numbers(band.high)}});
+  for (const Mark& mark : panel.marks) data["marks"].push_back({{"label", mark.label}, {"at", numbers({mark.at})[0]}});
+  return data;
+}
+
+/// The panel alone, without what the page says around it: its title and its legend.
+Figure tile_figure(const Figure& figure, const Panel& panel, int width, int height) {
+  Figure tile{.name = figure.name, .title = "", .caption = "", .panels = {panel}};
+  tile.width = width;
+  tile.height = height;
+  tile.panels[0].title.clear();
+  for (Series& series : tile.panels[0].series) series.name.clear();
+  for (Band& band : tile.panels[0].bands) band.name.clear();
+  return tile;
+}
+
+json tile_facts(const Figure& figure) {
+  const auto count = static_cast<int>(figure.panels.size());
+  const int columns = std::max(1, figure.columns), rows = (count + columns - 1) / columns;
+  const int width = figure.width / columns, height = figure.height / rows;
+  json tiles = json::array();
+  for (const Panel& panel : figure.panels) {
+    Figure alone{.name = "", .title = figure.title, .caption = "", .panels = {panel}};
+    tiles.push_back({{"title", panel.title},
+                     {"data", panel_data(panel)},
+                     {"note", ""},
+                     {"payload_svg", draw_svg(tile_figure(figure, panel, width, height), text_alternative(alone))}});
+  }
+  return tiles;
+}
+
 }  // namespace
 
 json without_payloads(const json& value) {
@@ -166,9 +247,17 @@ json figure_block(const Figure& figure, const std::string& id) {
              {"title", figure.title},
              {"caption", figure.caption},
              {"alt", text_alternative(figure)}};
-  const bool interactive = has_interactive_charts() && chartable(figure);
+  const bool tiled = !chartable(figure), interactive = !tiled && has_interactive_charts();
   block["chart"] = interactive;
-  block["drawn"] = !interactive;
+  block["drawn"] = !interactive && !tiled;
+  block["tiled"] = tiled;
+  if (tiled) {
+    block["tiles"] = tile_facts(figure);
+    block["tile_width"] = figure.width / std::max(1, figure.columns);
+    block["legend"] = legend_facts(figure);
+    block["has_legend"] = block["legend"].size() > 1;
+    return block;
+  }
   block["width"] = figure.width;
   block["height"] = figure.height;
   block["payload_light"] = encoded_picture(figure, Theme::light);

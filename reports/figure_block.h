@@ -24,7 +24,9 @@ inline constexpr const char* k_payload_prefix = "payload_";
 /// One sentence for those who cannot see the picture: what is plotted over what, and the range of each curve.
 [[nodiscard]] std::string text_alternative(const Figure& figure);
 
-/// The block: {id, name, title, caption, alt, number, chart, drawn, payload_*}. `id` is unique on the page.
+/// The block: {id, name, title, caption, alt, chart, drawn, tiled, ...}. `id` is unique on the page. A figure that
+/// cannot be a chart becomes small multiples: tiles[] of {title, note, data, payload_svg}, whose `note` the caller may
+/// fill with a line to stand under the tile, and one legend[] for all.
 [[nodiscard]] nlohmann::json figure_block(const Figure& figure, const std::string& id);
 
 }  // namespace grouser

@@ -5,88 +5,39 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
-#include <map>
 
 #include "model/geometry.h"
+#include "reports/loop_points.h"
 #include "reports/number_text.h"
 
 namespace grouser {
 namespace {
 
-constexpr Rgb k_measured{0.38f, 0.52f, 0.68f};  // reads on a light and on a dark page
+constexpr int k_blue = 0, k_orange = 1;                     // entries of the palette: measured, computed
+constexpr int k_tile_width = 300, k_wide_tile_width = 450;  // CSS pixels of one small multiple
 
-std::vector<double> times(const std::vector<double>& values, double factor) {
-  std::vector<double> scaled_values = values;
-  for (double& value : scaled_values) value *= factor;
-  return scaled_values;
+std::vector<double> times(std::vector<double> values, double factor) {
+  for (double& value : values) value *= factor;
+  return values;
 }
 
-Panel band_panel(const std::vector<BandPoint>& points, const std::string& title, const AxisUnits& units,
-                 const std::string& y_label, double y_scale) {
-  Panel panel;
-  panel.title = title;
-  panel.x_label = "Displacement [" + units.displacement + "]";
-  panel.y_label = y_label;
-  Band band{.name = "95 % interval", .x = {}, .low = {}, .high = {}, .color = {}};
-  Series line{.name = "identified", .x = {}, .y = {}, .width = 1.8f};
-  for (const BandPoint& point : points) {
-    band.x.push_back(units.displacement_scale * point.x);
-    band.low.push_back(y_scale * point.low);
-    band.high.push_back(y_scale * point.high);
-    line.x.push_back(units.displacement_scale * point.x);
-    line.y.push_back(y_scale * point.value);
-  }
-  panel.bands.push_back(std::move(band));
-  panel.series.push_back(std::move(line));
-  return panel;
+/// Lays the panels out as small multiples of one size.
+Figure multiples(const std::string& name, const std::string& title, const std::string& caption,
+                 std::vector<Panel> panels, int tile_width, int tile_height, int columns) {
+  Figure figure{.name = name, .title = title, .caption = caption, .panels = std::move(panels)};
+  figure.columns = columns;
+  const int count = static_cast<int>(figure.panels.size());
+  figure.width = tile_width * columns;
+  figure.height = tile_height * ((count + columns - 1) / columns);
+  return figure;
 }
 
-using Measure = std::function<double(const LoopMeasures&)>;
+std::string force_label(Axis axis, const AxisUnits& units) {
+  return (is_rotation(axis) ? "Torque [" : "Force [") + units.force + "]";
+}
 
-/// Measured points and fitted lines of one measure over one test quantity, a pair of series for each value of the
-/// other.
-Panel measure_panel(const std::vector<const TestFit*>& tests, bool over_frequency, bool named, const AxisUnits& units,
-                    const std::string& y_label, const Measure& measure) {
-  Panel panel;
-  panel.x_label = over_frequency ? "Frequency [Hz]" : "Amplitude [" + units.displacement + "]";
-  panel.y_label = y_label;
-  panel.title = over_frequency ? "By amplitude" : "By frequency";
-  panel.log_x = true;
-  // Stated amplitudes and frequencies are met only nearly: two digits tell the groups apart.
-  std::map<double, std::vector<const TestFit*>> groups;
-  for (const TestFit* test : tests)
-    groups[std::stod(
-               fmt::format("{:.1e}", over_frequency ? units.displacement_scale * test->amplitude : test->frequency))]
-        .push_back(test);
-  static constexpr std::array<Rgb, 6> k_colors{{{0.16f, 0.47f, 0.78f},
-                                                {0.87f, 0.42f, 0.10f},
-                                                {0.15f, 0.60f, 0.38f},
-                                                {0.71f, 0.30f, 0.52f},
-                                                {0.62f, 0.50f, 0.05f},
-                                                {0.42f, 0.40f, 0.85f}}};
-  std::size_t number = 0;
-  for (auto& [value, group] : groups) {
-    std::ranges::sort(group, {}, [&](const TestFit* t) { return over_frequency ? t->frequency : t->amplitude; });
-    const Rgb color = k_colors[number++ % k_colors.size()];
-    Series measured{.name = named ? number_text(value, 2) + " " + (over_frequency ? units.displacement : "Hz") : "",
-                    .x = {},
-                    .y = {},
-                    .style = SeriesStyle::points,
-                    .width = 3.2f,
-                    .color = color};
-    Series fitted{.name = "", .x = {}, .y = {}, .style = SeriesStyle::line, .width = 1.5f, .color = color};
-    for (const TestFit* test : group) {
-      const double x = over_frequency ? test->frequency : units.displacement_scale * test->amplitude;
-      measured.x.push_back(x);
-      measured.y.push_back(measure(test->measured));
-      fitted.x.push_back(x);
-      fitted.y.push_back(measure(test->fitted));
-    }
-    panel.series.push_back(std::move(fitted));
-    panel.series.push_back(std::move(measured));
-  }
-  return panel;
+std::string displacement_label(Axis axis, const AxisUnits& units) {
+  return (is_rotation(axis) ? "Angle [" : "Displacement [") + units.displacement + "]";
 }
 
 }  // namespace
@@ -118,101 +69,347 @@ std::string axis_title(Axis axis) {
   return std::string(name_of(axis)) + " · " + k_meanings[static_cast<std::size_t>(index_of(axis))];
 }
 
-std::optional<Figure> figure_loops(const FitRecord& fit, Axis axis) {
-  const AxisUnits units = units_of(axis);
-  Figure figure;
-  bool unnamed_fit = true;
-  for (const TestFit& test : fit.tests) {
-    if (test.axis != axis || test.curve.displacement.empty()) continue;
-    Panel panel;
-    const bool used = test.cycles_used > 0;
-    panel.title = used ? test.name : test.name + " (left out of the fit)";
-    panel.x_label = "Displacement [" + units.displacement + "]";
-    panel.y_label = (is_rotation(axis) ? "Torque [" : "Force [") + units.force + "]";
-    const bool first = figure.panels.empty();  // one legend serves all
-    Series measured{.name = first ? "measured" : "",
-                    .x = {},
-                    .y = {},
+// ---------------------------------------------------------------------------------------------------------- each test
+
+std::optional<Figure> figure_loops(const std::vector<const TestFit*>& tests, const std::string& law) {
+  std::vector<Panel> panels;
+  for (const TestFit* test : tests) {
+    if (test->curve.displacement.empty()) continue;
+    const AxisUnits units = units_of(test->axis);
+    const std::vector<double> x = times(test->curve.displacement, units.displacement_scale);
+    Panel panel{.title = test->name,
+                .x_label = displacement_label(test->axis, units),
+                .y_label = force_label(test->axis, units)};
+    // Wide and under the thin line of the law: where the law leaves the measurement, it leaves the wide line.
+    panel.series.push_back(
+        {.name = "measured", .x = x, .y = times(test->curve.force, units.force_scale), .width = 3.4f, .hue = k_blue});
+    if (!left_out(*test))
+      panel.series.push_back(
+          {.name = law, .x = x, .y = times(test->curve.fitted, units.force_scale), .width = 1.1f, .hue = k_orange});
+    panels.push_back(std::move(panel));
+  }
+  if (panels.empty()) return std::nullopt;
+  return multiples(std::string("loops_") + name_of(tests.front()->axis), "Every test",
+                   "Measured force over displacement of the last cycle used at each amplitude, and the response of "
+                   "the law over it.",
+                   std::move(panels), k_tile_width, 225, 3);
+}
+
+std::optional<Figure> figure_residuals(const std::vector<const TestFit*>& tests) {
+  std::vector<Panel> panels;
+  double largest = 0.0;
+  for (const TestFit* test : tests) {
+    const LoopCurve& curve = test->curve;
+    if (curve.displacement.empty() || left_out(*test)) continue;
+    const AxisUnits units = units_of(test->axis);
+    const auto [low, high] = std::ranges::minmax(curve.force);
+    Series residual{.name = "measured − law",
+                    .x = times(curve.displacement, units.displacement_scale),
+                    .width = 1.1f,
+                    .hue = k_blue};
+    for (std::size_t i = 0; i < curve.force.size(); ++i) {
+      residual.y.push_back(high > low ? 100.0 * (curve.force[i] - curve.fitted[i]) / (high - low) : 0.0);
+      largest = std::fmax(largest, std::abs(residual.y.back()));
+    }
+    panels.push_back({.title = test->name,
+                      .x_label = displacement_label(test->axis, units),
+                      .y_label = "Residual [%]",
+                      .series = {std::move(residual)},
+                      .zero_lines = true});
+  }
+  if (panels.empty()) return std::nullopt;
+  const double reach = largest > 0.0 ? 1.1 * largest : 1.0;
+  for (Panel& panel : panels) panel.y_range = {-reach, reach};
+  return multiples(std::string("residuals_") + name_of(tests.front()->axis), "Residuals",
+                   "Measured less computed force, in per cent of the force range of the test; one scale for all tests "
+                   "of the axis. Noise is a haze about zero; a shape is what the law misses.",
+                   std::move(panels), k_tile_width, 165, 3);
+}
+
+// ---------------------------------------------------------------------------------- over frequency and over amplitude
+
+namespace {
+
+/// A quantity of a cell of the campaign's grid and of a measured loop, in the units of the plot.
+struct Quantity {
+  std::string label;
+  double scale = 1.0;
+  Interval ResponsePoint::*of_law;
+  double (*of_loop)(const LoopMeasures&);
+};
+
+/// The campaign's grid with what the law answers and what was measured on it.
+struct Grid {
+  Axis axis = Axis::x;
+  std::vector<ResponsePoint> cells;
+  std::vector<LoopPoint> loops;
+  std::vector<double> amplitudes, frequencies;
+};
+
+/// Finds the amplitudes and frequencies of what the grid holds.
+Grid with_levels(Grid grid) {
+  const auto gather = [&](double ResponsePoint::*of_cell, double LoopPoint::*of_loop) {
+    std::vector<double> values;
+    for (const ResponsePoint& cell : grid.cells) values.push_back(cell.*of_cell);
+    for (const LoopPoint& loop : grid.loops) values.push_back(loop.*of_loop);
+    return levels_of(std::move(values));
+  };
+  grid.amplitudes = gather(&ResponsePoint::amplitude, &LoopPoint::amplitude);
+  grid.frequencies = gather(&ResponsePoint::frequency, &LoopPoint::frequency);
+  return grid;
+}
+
+Grid grid_of(const AxisFit& axis, const std::vector<const TestFit*>& tests) {
+  Grid grid{axis.axis, axis.responses, loop_points(tests), {}, {}};
+  if (grid.cells.empty())  // a fit without intervals still has the law's response to every loop
+    for (const LoopPoint& loop : grid.loops) {
+      const auto exact = [](double value) { return Interval{value, value, value}; };
+      const LoopMeasures& law = loop.fitted;
+      grid.cells.push_back({loop.amplitude, loop.frequency, exact(law.dissipated_energy), exact(stiffness_of(law)),
+                            exact(law.loss_stiffness), exact(law.loss_factor)});
+    }
+  return with_levels(std::move(grid));
+}
+
+enum class Over { frequency, amplitude };
+
+/// Whether the campaign says anything of how a quantity runs over this.
+bool varies(const Grid& grid, Over over) {
+  return (over == Over::frequency ? grid.frequencies : grid.amplitudes).size() > 1;
+}
+
+std::string group_name(const Grid& grid, Over over, std::size_t group) {
+  if (over == Over::frequency)
+    return number_text(units_of(grid.axis).displacement_scale * grid.amplitudes[group], 2) + " " +
+           units_of(grid.axis).displacement;
+  return grid.frequencies[group] > 0.0 ? number_text(grid.frequencies[group], 2) + " Hz" : "rate unknown";
+}
+
+/// Places of one curve along the axis of the plot, and the cells or loops that stand there.
+template <typename Item>
+std::vector<std::pair<double, const Item*>> curve_of(const Grid& grid, const std::vector<Item>& items, Over over,
+                                                     std::size_t group) {
+  std::vector<std::pair<double, const Item*>> curve;
+  for (const Item& item : items) {
+    const bool by_frequency = over == Over::frequency;
+    if (level_index(by_frequency ? grid.amplitudes : grid.frequencies,
+                    by_frequency ? item.amplitude : item.frequency) != group)
+      continue;
+    const double x = by_frequency ? item.frequency : units_of(grid.axis).displacement_scale * item.amplitude;
+    if (x > 0.0) curve.emplace_back(x, &item);
+  }
+  std::ranges::stable_sort(curve, {}, &std::pair<double, const Item*>::first);
+  return curve;
+}
+
+Panel empty_panel(const Grid& grid, Over over, const std::string& y_label) {
+  return {
+      .title = over == Over::frequency ? "Over frequency" : "Over amplitude",
+      .x_label = over == Over::frequency ? "Frequency [Hz]" : "Amplitude [" + units_of(grid.axis).displacement + "]",
+      .y_label = y_label,
+      .log_x = true};
+}
+
+std::size_t num_groups(const Grid& grid, Over over) {
+  return (over == Over::frequency ? grid.amplitudes : grid.frequencies).size();
+}
+
+/// Line and band of the law and measured points, one colour for each value of the other quantity.
+Panel quantity_panel(const Grid& grid, Over over, const Quantity& quantity) {
+  Panel panel = empty_panel(grid, over, quantity.label);
+  for (std::size_t group = 0; group < num_groups(grid, over); ++group) {
+    const int hue = static_cast<int>(group);
+    const std::string name = group_name(grid, over, group);
+    Band band{.hue = hue};
+    Series law{.name = name, .width = 1.5f, .hue = hue};
+    for (const auto& [x, cell] : curve_of(grid, grid.cells, over, group)) {
+      const Interval& interval = cell->*quantity.of_law;
+      law.x.push_back(x);
+      law.y.push_back(quantity.scale * interval.value);
+      band.x.push_back(x);
+      band.low.push_back(quantity.scale * interval.low);
+      band.high.push_back(quantity.scale * interval.high);
+    }
+    Series measured{.style = SeriesStyle::points, .width = 2.4f, .hue = hue};
+    for (const auto& [x, loop] : curve_of(grid, grid.loops, over, group)) {
+      measured.x.push_back(x);
+      measured.y.push_back(quantity.scale * quantity.of_loop(loop->measured));
+    }
+    panel.bands.push_back(std::move(band));
+    panel.series.push_back(std::move(law));
+    panel.series.push_back(std::move(measured));
+  }
+  return panel;
+}
+
+/// Half width of the law's band and the measured loops' deviation from the law, in per cent of the law's value.
+Panel deviation_panel(const Grid& grid, Over over, const Quantity& quantity) {
+  Panel panel = empty_panel(grid, over, "Measured − law [%]");
+  panel.zero_lines = true;
+  for (std::size_t group = 0; group < num_groups(grid, over); ++group) {
+    const int hue = static_cast<int>(group);
+    const auto cells = curve_of(grid, grid.cells, over, group);
+    Band band{.hue = hue};
+    for (const auto& [x, cell] : cells) {
+      const Interval& interval = cell->*quantity.of_law;
+      if (interval.value <= 0.0) continue;
+      band.x.push_back(x);
+      band.low.push_back(100.0 * (interval.low / interval.value - 1.0));
+      band.high.push_back(100.0 * (interval.high / interval.value - 1.0));
+    }
+    Series measured{.name = group_name(grid, over, group), .style = SeriesStyle::points, .width = 2.4f, .hue = hue};
+    for (const auto& [x, loop] : curve_of(grid, grid.loops, over, group)) {
+      const double law = quantity.of_loop(loop->fitted);
+      if (law <= 0.0) continue;
+      measured.x.push_back(x);
+      measured.y.push_back(100.0 * (quantity.of_loop(loop->measured) / law - 1.0));
+    }
+    panel.bands.push_back(std::move(band));
+    panel.series.push_back(std::move(measured));
+  }
+  return panel;
+}
+
+}  // namespace
+
+std::optional<Figure> figure_stiffness(const AxisFit& axis, const std::vector<const TestFit*>& tests) {
+  const Grid grid = grid_of(axis, tests);
+  const AxisUnits units = units_of(axis.axis);
+  const Quantity stiffness{"Stiffness [" + units.stiffness + "]", units.stiffness_scale,
+                           &ResponsePoint::storage_stiffness, stiffness_of};
+  const Quantity loss{"Loss factor [1]", 1.0, &ResponsePoint::loss_factor,
+                      [](const LoopMeasures& loop) { return loop.loss_factor; }};
+  std::vector<Panel> panels;
+  for (const Over over : {Over::frequency, Over::amplitude})
+    if (varies(grid, over))
+      for (const Quantity* quantity : {&stiffness, &loss}) panels.push_back(quantity_panel(grid, over, *quantity));
+  if (panels.empty()) return std::nullopt;
+  return multiples(std::string("stiffness_") + name_of(axis.axis), "Stiffness and loss factor",
+                   "Storage stiffness and loss factor: the law (line) with its 95 % band, and the measured loops "
+                   "(points).",
+                   std::move(panels), k_wide_tile_width, 285, 2);
+}
+
+std::optional<Figure> figure_energy(const AxisFit& axis, const std::vector<const TestFit*>& tests) {
+  const Grid grid = grid_of(axis, tests);
+  if (!varies(grid, Over::amplitude)) return std::nullopt;
+  const Quantity energy{"Energy a cycle [J]", 1.0, &ResponsePoint::energy,
+                        [](const LoopMeasures& loop) { return loop.dissipated_energy; }};
+  std::vector<Panel> panels{quantity_panel(grid, Over::amplitude, energy),
+                            deviation_panel(grid, Over::amplitude, energy)};
+  panels[0].log_y = true;
+  panels[0].title = "Dissipated energy";
+  panels[1].title = "Its deviation from the law";
+  return multiples(std::string("energy_") + name_of(axis.axis), "Energy over amplitude",
+                   "Energy turned into heat in a cycle: the law (line) with its 95 % band, and the measured loops "
+                   "(points); beside it what the logarithmic scale hides.",
+                   std::move(panels), k_wide_tile_width, 285, 2);
+}
+
+std::optional<Figure> figure_gain(const std::vector<const TestFit*>& tests) {
+  Grid plain;
+  for (const TestFit* test : tests)  // a test has one gain, whatever amplitudes it ran through
+    if (!left_out(*test) && test->kind == TestKind::cyclic && test->gain != 0.0)
+      plain.loops.push_back({test, test->amplitude, test->frequency, {}, {}});
+  if (plain.loops.empty()) return std::nullopt;
+  plain.axis = tests.front()->axis;
+  const Grid grid = with_levels(std::move(plain));
+  std::vector<Panel> panels;
+  for (const Over over : {Over::frequency, Over::amplitude}) {
+    if (!varies(grid, over)) continue;
+    Panel panel = empty_panel(grid, over, "Gain residual [%]");
+    panel.zero_lines = true;
+    for (std::size_t group = 0; group < num_groups(grid, over); ++group) {
+      Series series{.name = group_name(grid, over, group),
                     .style = SeriesStyle::points,
                     .width = 2.4f,
-                    .color = k_measured};
-    constexpr std::size_t k_points = 44;  // more would hide the fit
-    const std::size_t stride = std::max<std::size_t>(1, test.curve.displacement.size() / k_points);
-    for (std::size_t i = 0; i < test.curve.displacement.size(); i += stride) {
-      measured.x.push_back(units.displacement_scale * test.curve.displacement[i]);
-      measured.y.push_back(units.force_scale * test.curve.force[i]);
+                    .hue = static_cast<int>(group)};
+      for (const auto& [x, loop] : curve_of(grid, grid.loops, over, group)) {
+        series.x.push_back(x);
+        series.y.push_back(100.0 * loop->test->gain);
+      }
+      panel.series.push_back(std::move(series));
     }
-    panel.series.push_back(std::move(measured));
-    if (used)
-      panel.series.push_back({.name = unnamed_fit ? "fit" : "",
-                              .x = times(test.curve.displacement, units.displacement_scale),
-                              .y = times(test.curve.fitted, units.force_scale),
-                              .width = 1.3f,
-                              .color = Rgb{0.87f, 0.36f, 0.08f}});
-    unnamed_fit = unnamed_fit && !used;
-    figure.panels.push_back(std::move(panel));
+    panels.push_back(std::move(panel));
   }
-  if (figure.panels.empty()) return std::nullopt;
-  figure.name = std::string("loops_") + name_of(axis);
-  figure.title = "Fit over measurement";
-  figure.caption =
-      "Every test of the axis: measured loop (points) with the response of the fitted law over it (line), cycles used "
-      "in the fit.";
-  figure.columns = std::min<int>(3, static_cast<int>(figure.panels.size()));
-  const int rows = (static_cast<int>(figure.panels.size()) + figure.columns - 1) / figure.columns;
-  figure.width = figure.columns == 1 ? 640 : 1000;
-  figure.height = 60 + (figure.columns == 1 ? 340 : 250) * rows;
-  return figure;
+  if (panels.empty()) return std::nullopt;
+  return multiples(std::string("gain_") + name_of(grid.axis), "Gain residual of each test",
+                   "By how much the measured force of a test is larger than the law's as a whole. A trend over "
+                   "frequency says that a Maxwell branch is missing, one over amplitude that a friction stop is; "
+                   "scatter is remounting of the specimen.",
+                   std::move(panels), k_wide_tile_width, 240, 2);
 }
+
+// ------------------------------------------------------------------------------------------------- law as a whole
+
+namespace {
+
+Panel band_panel(const std::vector<BandPoint>& points, const std::string& title, Axis axis, const std::string& y_label,
+                 double y_scale) {
+  const AxisUnits units = units_of(axis);
+  Panel panel{.title = title, .x_label = displacement_label(axis, units), .y_label = y_label};
+  Band band{.name = "95 % interval", .hue = k_blue};
+  Series line{.name = "identified", .width = 1.8f, .hue = k_blue};
+  for (const BandPoint& point : points) {
+    band.x.push_back(units.displacement_scale * point.x);
+    band.low.push_back(y_scale * point.low);
+    band.high.push_back(y_scale * point.high);
+    line.x.push_back(units.displacement_scale * point.x);
+    line.y.push_back(y_scale * point.value);
+  }
+  panel.bands.push_back(std::move(band));
+  panel.series.push_back(std::move(line));
+  return panel;
+}
+
+std::vector<Mark> limit_marks(const AxisFit& axis) {
+  const double scale = units_of(axis.axis).displacement_scale;
+  std::vector<Mark> marks;
+  if (axis.preset != 0.0) marks.push_back({scale * axis.preset, true, "preset"});
+  if (axis.clearance) {
+    marks.push_back({scale * axis.clearance->low, true, "play"});
+    marks.push_back({scale * axis.clearance->high, true, "play"});
+  }
+  for (const HardStop& stop : axis.hard_stops) marks.push_back({scale * stop.at, true, "stop"});
+  return marks;
+}
+
+}  // namespace
 
 std::optional<Figure> figure_backbone(const AxisFit& axis) {
   if (axis.backbone.empty()) return std::nullopt;
   const AxisUnits units = units_of(axis.axis);
-  Figure figure;
-  figure.name = std::string("backbone_") + name_of(axis.axis);
-  figure.title = "Backbone and tangent stiffness";
-  figure.caption = "What the data determine, with 95 % bands.";
-  figure.panels.push_back(band_panel(axis.backbone, "Backbone", units,
-                                     (is_rotation(axis.axis) ? "Torque [" : "Force [") + units.force + "]",
-                                     units.force_scale));
+  std::vector<Panel> panels{
+      band_panel(axis.backbone, "Backbone", axis.axis, force_label(axis.axis, units), units.force_scale)};
+  std::string caption = "What the data determine, with 95 % bands";
   if (!axis.tangent.empty()) {
-    figure.panels.push_back(band_panel(axis.tangent, "Tangent stiffness", units, "Stiffness [" + units.stiffness + "]",
-                                       units.stiffness_scale));
-    figure.caption =
-        fmt::format("What the data determine, with 95 % bands; the tangent is taken over a window of ±{} {}.",
-                    number_text(units.displacement_scale * axis.tangent_window, 3), units.displacement);
+    panels.push_back(band_panel(axis.tangent, "Tangent stiffness", axis.axis, "Stiffness [" + units.stiffness + "]",
+                                units.stiffness_scale));
+    caption += fmt::format("; the tangent is taken over a window of ±{} {}",
+                           number_text(units.displacement_scale * axis.tangent_window, 3), units.displacement);
   }
-  figure.columns = static_cast<int>(figure.panels.size());
-  figure.width = figure.columns == 1 ? 640 : 1000;
-  figure.height = 360;
-  return figure;
+  for (Panel& panel : panels) panel.marks = limit_marks(axis);
+  return multiples(std::string("backbone_") + name_of(axis.axis), "Backbone and tangent stiffness", caption + ".",
+                   std::move(panels), k_wide_tile_width, 300, 2);
 }
 
-std::optional<Figure> figure_dynamic_stiffness(const FitRecord& fit, Axis axis) {
-  std::vector<const TestFit*> tests;
-  for (const TestFit& test : fit.tests)
-    if (test.axis == axis && test.kind == TestKind::cyclic && test.cycles_used > 0 && test.frequency > 0.0 &&
-        test.amplitude > 0.0)
-      tests.push_back(&test);
-  if (tests.size() < 2) return std::nullopt;
-  const AxisUnits units = units_of(axis);
-  const Measure stiffness = [&](const LoopMeasures& loop) { return units.stiffness_scale * loop.effective_stiffness; };
-  const Measure loss = [](const LoopMeasures& loop) { return loop.loss_factor; };
-  Figure figure;
-  figure.name = std::string("dynamic_stiffness_") + name_of(axis);
-  figure.title = "Stiffness and loss factor";
-  figure.caption =
-      "Effective stiffness and loss factor of every loop: measured (points) and fitted (lines), over frequency and "
-      "over amplitude.";
-  for (const bool over_frequency : {true, false}) {
-    figure.panels.push_back(
-        measure_panel(tests, over_frequency, true, units, "Stiffness [" + units.stiffness + "]", stiffness));
-    figure.panels.push_back(measure_panel(tests, over_frequency, false, units, "Loss factor [1]", loss));
+std::optional<Figure> figure_selection(const AxisFit& axis) {
+  if (axis.selection.size() < 2) return std::nullopt;
+  Panel panel{.title = "", .x_label = "Friction stops and Maxwell branches", .y_label = "Left-out error [%]"};
+  Series plain{.name = "tried", .style = SeriesStyle::points, .width = 2.0f, .hue = k_blue};
+  Series growing{.name = "tried, yield grows with strain", .style = SeriesStyle::points, .width = 2.0f, .hue = 2};
+  Series chosen{.name = "chosen", .style = SeriesStyle::points, .width = 3.6f, .hue = k_orange};
+  for (const LawCandidate& candidate : axis.selection) {
+    Series& series = candidate.chosen ? chosen : candidate.strain_dependent_yield ? growing : plain;
+    series.x.push_back(candidate.stops + candidate.branches);
+    series.y.push_back(100.0 * candidate.left_out_error);
   }
-  figure.columns = 2;
-  figure.width = 1000;
-  figure.height = 620;
-  return figure;
+  for (Series* series : {&plain, &growing, &chosen})
+    if (!series->x.empty()) panel.series.push_back(std::move(*series));
+  return multiples(std::string("selection_") + name_of(axis.axis), "Size of the law",
+                   "Error on tests that the law was not fitted to, over the number of its elements: too few miss the "
+                   "rubber, too many follow the noise, and each costs time in every step of a run.",
+                   {std::move(panel)}, k_wide_tile_width, 285, 1);
 }
 
 }  // namespace grouser

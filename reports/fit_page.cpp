@@ -5,128 +5,67 @@
 #include <cmath>
 
 #include "reports/figure_block.h"
+#include "reports/fit_checks.h"
 #include "reports/fit_figures.h"
+#include "reports/gain_trend.h"
+#include "reports/loop_points.h"
 #include "reports/number_text.h"
 #include "reports/pages.h"
+#include "reports/remedies.h"
+#include "reports/test_blocks.h"
 
 namespace grouser {
 namespace {
 
 using nlohmann::json;
 
-/// What a fit must reach for its bushing to be trusted in a run (I 2: a law that fits the reference rubber reaches all
-/// of it).
-constexpr double k_max_nrmse = 0.06, k_max_stiffness_error = 0.10, k_max_energy_error = 0.10,
-                 k_max_calibration_residual = 0.01;
-
 std::string stiffness_unit(Axis axis) { return is_rotation(axis) ? "N m/rad" : "N/m"; }
-
-/// A test of which no cycle entered the fit: it says nothing of how well the law holds.
-bool left_out(const TestFit& test) { return test.cycles_used == 0; }
 
 long count_used(const FitRecord& fit) {
   return static_cast<long>(std::ranges::count_if(fit.tests, [](const TestFit& test) { return !left_out(test); }));
 }
 
-/// "left out: reversed polarity", by the notes on its cycles, else by the warnings about the test.
-std::string left_out_text(const FitRecord& fit, const TestFit& test) {
-  std::vector<std::string> reasons;
-  const auto add = [&reasons](std::string reason) {
-    std::ranges::replace(reason, '_', ' ');
-    if (!reason.empty() && std::ranges::find(reasons, reason) == reasons.end()) reasons.push_back(std::move(reason));
-  };
-  for (const CycleFit& cycle : test.per_cycle) add(cycle.note);
-  if (reasons.empty())
-    for (const FitWarning& warning : fit.warnings)
-      if (warning.test == test.name) add(warning.code);
-  return reasons.empty() ? "left out" : fmt::format("left out: {}", fmt::join(reasons, ", "));
+json count_row(const std::string& label, long value) {
+  return {{"label", label}, {"value", value}, {"text", count_text(value)}};
 }
 
-double relative_error(double fitted, double measured) { return measured != 0.0 ? fitted / measured - 1.0 : 0.0; }
+// ------------------------------------------------------------------------------------- warnings and corrections
 
-json check(const std::string& name, double value, double limit) {
-  return {{"label", name},
-          {"value", value},
-          {"unit", "1"},
-          {"text", percent_text(value)},
-          {"limit", "at most " + percent_text(limit)},
-          {"pass", value <= limit}};
-}
+std::string where(const std::string& test) { return test.empty() ? "whole campaign" : test; }
 
-json check_facts(const FitRecord& fit) {
-  double nrmse = 0.0, stiffness = 0.0, energy = 0.0;
-  for (const TestFit& test : fit.tests) {
-    if (left_out(test)) continue;
-    nrmse = std::max(nrmse, test.nrmse);
-    if (test.kind != TestKind::cyclic) continue;
-    stiffness = std::max(stiffness,
-                         std::abs(relative_error(test.fitted.effective_stiffness, test.measured.effective_stiffness)));
-    energy = std::max(energy, std::abs(relative_error(test.fitted.dissipated_energy, test.measured.dissipated_energy)));
+/// Warnings of one code together, in the order in which the codes first appear: the remedy is said once.
+json warning_facts(const FitRecord& fit) {
+  json groups = json::array();
+  for (const FitWarning& warning : fit.warnings) {
+    auto group = std::ranges::find_if(groups, [&](const json& g) { return g["code"] == warning.code; });
+    if (group == groups.end()) {
+      const Remedy remedy = remedy_of(warning.code);
+      groups.push_back({{"code", warning.code},
+                        {"title", remedy.title},
+                        {"action", remedy.action},
+                        {"correction", remedy.correction},
+                        {"evidence", json::array()}});
+      group = std::prev(groups.end());
+    }
+    (*group)["evidence"].push_back({{"test", where(warning.test)}, {"text", warning.text}});
   }
-  json checks = json::array();
-  const auto converged =
-      std::ranges::count_if(fit.axes, [](const AxisFit& axis) { return axis.solver.termination == "CONVERGENCE"; });
-  const auto total = static_cast<long>(fit.axes.size());
-  checks.push_back({{"label", "Axes whose solver converged"},
-                    {"value", converged},
-                    {"text", count_text(converged)},
-                    {"limit", "all " + count_text(total)},
-                    {"pass", converged == total}});
-  checks.push_back(check("Largest residual of a test (nrmse)", nrmse, k_max_nrmse));
-  checks.push_back(check("Largest error of a loop's effective stiffness", stiffness, k_max_stiffness_error));
-  checks.push_back(check("Largest error of a loop's dissipated energy", energy, k_max_energy_error));
-  if (fit.calibration_residual > 0.0)  // 0: the campaign has no calibration record
-    checks.push_back(check("Largest residual of a sensor calibration, of full scale", fit.calibration_residual,
-                           k_max_calibration_residual));
-  return checks;
+  constexpr std::size_t k_open = 4;  // more are folded away
+  for (json& group : groups) {
+    const std::size_t count = group["evidence"].size();
+    group["folded"] = count > k_open;
+    group["count"] = fmt::format("{} {}", count, count == 1 ? "warning" : "warnings");
+  }
+  return groups;
 }
 
-json error_facts(double fitted, double measured) {
-  const double error = relative_error(fitted, measured);
-  const std::string digits = fmt::format("{:.1f} %", 100.0 * std::abs(error));
-  const char* sign = digits == "0.0 %" ? "" : error > 0.0 ? "+" : "\u2212";
-  return {{"value", error}, {"text", fmt::format("{}{}", sign, digits)}};
+json correction_facts(const FitRecord& fit) {
+  json rows = json::array();
+  for (const AppliedCorrection& correction : fit.corrections)
+    rows.push_back({{"code", correction.code}, {"test", where(correction.test)}, {"text", correction.text}});
+  return rows;
 }
 
-/// The row of a test that did not enter the fit: what was recorded, why it stands apart, dashes for the rest.
-json left_out_facts(const FitRecord& fit, const TestFit& test) {
-  json facts{{"name", test.name},
-             {"kind", test.kind == TestKind::cyclic ? "cyclic" : "static"},
-             {"cycles", left_out_text(fit, test)},
-             {"left_out", true},
-             {"samples", {{"value", test.samples}, {"text", count_text(test.samples)}}}};
-  for (const char* key : {"frequency", "amplitude", "nrmse", "stiffness", "stiffness_fit", "stiffness_error", "energy",
-                          "energy_fit", "energy_error", "loss_factor", "loss_factor_fit"})
-    facts[key] = {{"value", nullptr}, {"text", "–"}};
-  return facts;
-}
-
-json test_facts(const TestFit& test) {
-  const AxisUnits units = units_of(test.axis);
-  const auto in_units = [](double si, double scale, const std::string& unit) {
-    return json{{"value", si}, {"unit", unit}, {"text", number_text(si * scale, 3)}};
-  };
-  const LoopMeasures &m = test.measured, &f = test.fitted;
-  const bool cyclic = test.kind == TestKind::cyclic;
-  return {
-      {"name", test.name},
-      {"kind", cyclic ? "cyclic" : "static"},
-      {"cycles", fmt::format("{} of {}", test.cycles_used, test.cycles)},
-      {"left_out", false},
-      {"samples", {{"value", test.samples}, {"text", count_text(test.samples)}}},
-      {"frequency",
-       {{"value", test.frequency}, {"text", cyclic && test.frequency > 0.0 ? number_text(test.frequency, 3) : "–"}}},
-      {"amplitude", in_units(test.amplitude, units.displacement_scale, units.displacement)},
-      {"nrmse", {{"value", test.nrmse}, {"text", percent_text(test.nrmse, 2)}}},
-      {"stiffness", in_units(m.effective_stiffness, units.stiffness_scale, units.stiffness)},
-      {"stiffness_fit", in_units(f.effective_stiffness, units.stiffness_scale, units.stiffness)},
-      {"stiffness_error", error_facts(f.effective_stiffness, m.effective_stiffness)},
-      {"energy", in_units(m.dissipated_energy, 1.0, "J")},
-      {"energy_fit", in_units(f.dissipated_energy, 1.0, "J")},
-      {"energy_error", error_facts(f.dissipated_energy, m.dissipated_energy)},
-      {"loss_factor", in_units(m.loss_factor, 1.0, "1")},
-      {"loss_factor_fit", in_units(f.loss_factor, 1.0, "1")}};
-}
+// ------------------------------------------------------------------------------------------------------ an axis
 
 json parameter_facts(const FitParameter& parameter) {
   const auto text = [&](double value) {
@@ -144,7 +83,8 @@ json parameter_facts(const FitParameter& parameter) {
 json solver_facts(const AxisFit& axis) {
   const SolverSummary& solver = axis.solver;
   return json::array({{{"label", "termination"}, {"text", solver.termination}},
-                      {{"label", "iterations"}, {"value", solver.iterations}, {"text", count_text(solver.iterations)}},
+                      count_row("starts", solver.starts),
+                      count_row("iterations of the best", solver.iterations),
                       labelled_quantity("initial cost", solver.initial_cost, "1", 3),
                       labelled_quantity("final cost", solver.final_cost, "1", 3),
                       labelled_quantity("optimality (KKT) residual", solver.kkt_residual, "1", 2),
@@ -161,43 +101,174 @@ json law_facts(const AxisLaw& law, Axis axis) {
                                              stiffness_unit(axis), 3),
                            labelled_quantity(fmt::format("stiffness of {} Maxwell branches", law.branches.size()),
                                              branches, stiffness_unit(axis), 3)});
-  if (law.valid) {
-    rows.push_back(
-        {{"label", "identified up to an amplitude of"},
-         {"value", law.valid->amplitude},
-         {"text", number_text(units.displacement_scale * law.valid->amplitude, 3) + " " + units.displacement}});
-    rows.push_back({{"label", "identified at frequencies"},
-                    {"value", {law.valid->frequency_low, law.valid->frequency_high}},
-                    {"text", number_text(law.valid->frequency_low, 3) + " to " +
-                                 number_text(law.valid->frequency_high, 3) + " Hz"}});
+  if (law.yield_growth > 0.0) {
+    const double reach = law.valid ? law.valid->amplitude : 0.0, factor = 1.0 + law.yield_growth * reach * reach;
+    rows.push_back({{"label", "yield at the largest displacement over that at 0"},
+                    {"value", factor},
+                    {"text", number_text(factor, 3)}});
   }
+  if (!law.valid) return rows;
+  rows.push_back(
+      {{"label", "valid up to an amplitude of"},
+       {"value", law.valid->amplitude},
+       {"text", number_text(units.displacement_scale * law.valid->amplitude, 3) + " " + units.displacement}});
+  rows.push_back({{"label", "valid at frequencies"},
+                  {"value", {law.valid->frequency_low, law.valid->frequency_high}},
+                  {"text", law.valid->frequency_high > 0.0 ? number_text(law.valid->frequency_low, 3) + " to " +
+                                                                 number_text(law.valid->frequency_high, 3) + " Hz"
+                                                           : "unknown: the records hold no rate"}});
+  rows.push_back(
+      {{"label", "largest rate seen"},
+       {"value", law.valid->rate},
+       {"text", number_text(units.displacement_scale * law.valid->rate, 3) + " " + units.displacement + "/s"}});
+  return rows;
+}
+
+/// Play, hard stops and preset, each a line of a table.
+json joint_limit_facts(const AxisFit& axis) {
+  const AxisUnits units = units_of(axis.axis);
+  const auto place = [&](double si) {
+    return number_text(units.displacement_scale * si, 3) + " " + units.displacement;
+  };
+  json rows = json::array();
+  if (axis.preset != 0.0) rows.push_back({{"label", "preset"}, {"value", axis.preset}, {"text", place(axis.preset)}});
+  if (const auto& play = axis.clearance)
+    rows.push_back({{"label", "play"},
+                    {"value", {play->low, play->high}},
+                    {"stiffness_ratio", play->stiffness_ratio},
+                    {"text", fmt::format("{} to {}; stiffness in it {} of that outside", place(play->low),
+                                         place(play->high), percent_text(play->stiffness_ratio, 2))}});
+  for (const HardStop& stop : axis.hard_stops)
+    rows.push_back({{"label", "hard stop"},
+                    {"value", stop.at},
+                    {"stiffness_ratio", stop.stiffness_ratio},
+                    {"text", fmt::format("{}; {} times as stiff beyond it", place(stop.at),
+                                         number_text(stop.stiffness_ratio, 2))}});
+  return rows;
+}
+
+std::string trend_sentence(const Trend& trend, const char* quantity, const char* missing) {
+  const auto percent = [](double share) { return number_text(100.0 * share, 2) + " %"; };
+  return fmt::format("Over {}: {} a decade, ± {} (95 %): {}.", quantity, percent(trend.per_decade),
+                     percent(trend.half_width),
+                     trend.is_real() ? fmt::format("a trend, {} may be missing", missing) : "no trend");
+}
+
+json gain_facts(const std::vector<const TestFit*>& tests, const std::string& id) {
+  json facts{{"figure", false}, {"trends", json::array()}};
+  if (const std::optional<Figure> figure = figure_gain(tests))
+    facts["figure"] = figure_block(*figure, id + "-" + figure->name);
+  else
+    return false;
+  const GainTrends trends = gain_trends(tests);
+  const auto add = [&](const std::optional<Trend>& trend, const char* quantity, const char* missing) {
+    if (trend)
+      facts["trends"].push_back({{"over", quantity},
+                                 {"per_decade", trend->per_decade},
+                                 {"half_width", trend->half_width},
+                                 {"text", trend_sentence(*trend, quantity, missing)}});
+  };
+  add(trends.frequency, "frequency", "a Maxwell branch");
+  add(trends.amplitude, "amplitude", "a friction stop or a yield that grows with strain");
+  return facts;
+}
+
+std::string size_text(const LawCandidate& law) {
+  return fmt::format("{} spring intervals, {} stops, {} branches{}", law.spring_intervals, law.stops, law.branches,
+                     law.strain_dependent_yield ? ", yield growing with strain" : "");
+}
+
+json selection_facts(const AxisFit& axis, const std::string& id) {
+  if (axis.selection.empty()) return false;
+  json facts{{"rows", json::array()}, {"figure", false}, {"sentence", ""}};
+  for (const LawCandidate& law : axis.selection)
+    facts["rows"].push_back(
+        {{"spring_intervals", {{"value", law.spring_intervals}, {"text", count_text(law.spring_intervals)}}},
+         {"stops", {{"value", law.stops}, {"text", count_text(law.stops)}}},
+         {"branches", {{"value", law.branches}, {"text", count_text(law.branches)}}},
+         {"growth", law.strain_dependent_yield ? "yes" : "no"},
+         {"error", {{"value", law.left_out_error}, {"text", percent_text(law.left_out_error, 3)}}},
+         {"chosen", law.chosen}});
+  facts["count"] = count_text(static_cast<long>(axis.selection.size()));
+  const auto chosen = std::ranges::find(axis.selection, true, &LawCandidate::chosen);
+  const auto best = std::ranges::min_element(axis.selection, {}, &LawCandidate::left_out_error);
+  if (chosen != axis.selection.end())
+    facts["sentence"] =
+        fmt::format("Chosen: {}, with an error of {} on tests left out; the least of all tried is {}.",
+                    size_text(*chosen), percent_text(chosen->left_out_error, 3), percent_text(best->left_out_error, 3));
+  if (const std::optional<Figure> figure = figure_selection(axis))
+    facts["figure"] = figure_block(*figure, id + "-" + figure->name);
+  return facts;
+}
+
+/// The intervals behind the bands of the figures.
+json response_facts(const AxisFit& axis) {
+  const AxisUnits units = units_of(axis.axis);
+  const auto interval = [](const Interval& of, double scale) {
+    const double half = 0.5 * (of.high - of.low);
+    return json{{"value", of.value},
+                {"low", of.low},
+                {"high", of.high},
+                {"text", number_text(scale * of.value, 3)},
+                {"half", of.value != 0.0 ? "± " + percent_text(half / std::abs(of.value), 2) : "–"}};
+  };
+  json rows = json::array();
+  for (const ResponsePoint& cell : axis.responses)
+    rows.push_back(
+        {{"amplitude",
+          {{"value", cell.amplitude}, {"text", number_text(units.displacement_scale * cell.amplitude, 3)}}},
+         {"frequency",
+          {{"value", cell.frequency}, {"text", cell.frequency > 0.0 ? number_text(cell.frequency, 3) : "–"}}},
+         {"energy", interval(cell.energy, 1.0)},
+         {"storage", interval(cell.storage_stiffness, units.stiffness_scale)},
+         {"loss", interval(cell.loss_stiffness, units.stiffness_scale)},
+         {"loss_factor", interval(cell.loss_factor, 1.0)}});
   return rows;
 }
 
 json axis_facts(const FitFolder& folder, const AxisFit& axis, const std::string& id) {
   const FitRecord& fit = folder.fit;
-  const AxisUnits units = units_of(axis.axis);
-  json facts{{"key", id + "-axis-" + name_of(axis.axis)},
-             {"axis_title", axis_title(axis.axis)},
-             {"displacement_unit", units.displacement},
-             {"stiffness_unit", units.stiffness},
-             {"figures", json::array()},
-             {"tests", json::array()},
-             {"parameters", json::array()},
-             {"not_identified", axis.not_identified},
-             {"has_not_identified", !axis.not_identified.empty()},
-             {"solver", solver_facts(axis)},
-             {"law", law_facts(folder.bushing.axis(axis.axis), axis.axis)}};
+  const std::string key = id + "-axis-" + name_of(axis.axis);
+  const std::vector<const TestFit*> tests = tests_of(fit.tests, axis.axis);
+  json facts =
+      tests_facts({.axis = axis.axis, .tests = tests, .law = "fit", .joint_fit = true, .warnings = fit.warnings}, key);
+  facts["key"] = key;
+  facts["axis_title"] = axis_title(axis.axis);
+  facts["figures"] = json::array();
   for (const std::optional<Figure>& figure :
-       {figure_loops(fit, axis.axis), figure_backbone(axis), figure_dynamic_stiffness(fit, axis.axis)})
-    if (figure) facts["figures"].push_back(figure_block(*figure, id + "-figure-" + figure->name));
-  for (const TestFit& test : fit.tests)
-    if (test.axis == axis.axis) facts["tests"].push_back(left_out(test) ? left_out_facts(fit, test) : test_facts(test));
+       {figure_stiffness(axis, tests), figure_energy(axis, tests), figure_backbone(axis)})
+    if (figure) facts["figures"].push_back(figure_block(*figure, key + "-" + figure->name));
+  facts["gain"] = gain_facts(tests, key);
+  facts["responses"] = response_facts(axis);
+  facts["has_responses"] = !axis.responses.empty();
+  facts["response_count"] = count_text(static_cast<long>(axis.responses.size()));
+  facts["joint_limits"] = joint_limit_facts(axis);
+  facts["has_joint_limits"] = !facts["joint_limits"].empty();
+  facts["not_identified"] = axis.not_identified;
+  facts["has_not_identified"] = !axis.not_identified.empty();
+  facts["solver"] = solver_facts(axis);
+  facts["law"] = law_facts(folder.bushing.axis(axis.axis), axis.axis);
+  facts["selection"] = selection_facts(axis, key);
+  facts["parameters"] = json::array();
   for (const FitParameter& parameter : axis.parameters) facts["parameters"].push_back(parameter_facts(parameter));
-  facts["has_tests"] = !facts["tests"].empty();
   facts["has_parameters"] = !axis.parameters.empty();
   facts["parameter_count"] = count_text(static_cast<long>(axis.parameters.size()));
   return facts;
+}
+
+// ---------------------------------------------------------------------------------------------------- the whole
+
+/// How the drawn bushings are used; false where the fit has none.
+json draw_facts(const FitFolder& folder) {
+  int draws = 0;
+  for (const AxisFit& axis : folder.fit.axes) draws = std::max(draws, axis.draws);
+  if (draws == 0) return false;
+  const std::string example = fmt::format("bushing_{:02}.json", std::min(7, draws));
+  return {{"value", draws},
+          {"text", count_text(draws)},
+          {"example", "draws/" + example},
+          {"command", fmt::format("grouser simulate SCENARIO.json --bushing {}/draws/{}",
+                                  folder.path.filename().string(), example)}};
 }
 
 }  // namespace
@@ -213,17 +284,14 @@ json fit_headline(const FitRecord& fit) {
     samples += test.samples;
     if (!left_out(test)) worst = std::max(worst, test.nrmse);
   }
-  const auto count = [](const std::string& label, long value) {
-    return json{{"label", label}, {"value", value}, {"text", count_text(value)}};
-  };
   const long used = count_used(fit), total = static_cast<long>(fit.tests.size());
-  json tests = count("tests", used);
+  json tests = count_row("tests", used);
   if (used < total) {
     tests["label"] = "tests used";
     tests["text"] = fmt::format("{} of {}", count_text(used), count_text(total));
   }
-  json tiles =
-      json::array({count("axes identified", static_cast<long>(fit.axes.size())), tests, count("samples", samples)});
+  json tiles = json::array(
+      {count_row("axes identified", static_cast<long>(fit.axes.size())), tests, count_row("samples", samples)});
   tiles.push_back(
       {{"label", "largest residual of a test (nrmse)"}, {"value", worst}, {"text", percent_text(worst, 2)}});
   for (const AxisFit& axis : fit.axes)
@@ -235,27 +303,16 @@ json fit_headline(const FitRecord& fit) {
   return tiles;
 }
 
-json fit_verdict(const FitRecord& fit) {
-  const json checks = check_facts(fit);
-  const auto failed = std::ranges::count_if(checks, [](const json& c) { return !c["pass"].get<bool>(); });
-  std::string text = failed == 0 ? fmt::format("All {} checks of the fit pass", checks.size())
-                                 : fmt::format("{} of {} checks of the fit fail", failed, checks.size());
-  const long used = count_used(fit), total = static_cast<long>(fit.tests.size());
-  const bool partial = used < total;
-  if (partial) text += fmt::format("; {} of {} tests used", used, total);
-  const std::size_t warnings = fit.warnings.size();
-  if (warnings > 0) text += fmt::format("; {} {} about the data", warnings, warnings == 1 ? "warning" : "warnings");
-  return {{"pass", failed == 0 && !partial}, {"partial", failed == 0 && partial}, {"text", text}};
-}
-
 json fit_facts(const FitFolder& folder, const std::string& id, int level) {
   const FitRecord& fit = folder.fit;
   json facts{{"id", id}, {"kind", "fit"}, {"level", level}, {"sublevel", level + 1}, {"figure_level", level + 2}};
   facts["title"] = fit.specimen;
-  facts["subtitle"] = fmt::format("Stiffness and damping along {} {} from {} tests", fit.axes.size(),
-                                  fit.axes.size() == 1 ? "axis" : "axes", count_used(fit));
-  facts["checks"] = check_facts(fit);
-  facts["has_checks"] = true;
+  facts["subtitle"] =
+      fmt::format("Stiffness and damping along {} {} from {} {}", fit.axes.size(),
+                  fit.axes.size() == 1 ? "axis" : "axes", count_used(fit), count_used(fit) == 1 ? "test" : "tests");
+  facts["checks"] = axis_checks(fit);
+  facts["campaign_checks"] = campaign_checks(fit);
+  facts["has_campaign_checks"] = !facts["campaign_checks"].empty();
   facts["verdict"] = fit_verdict(fit);
   facts["headline"] = fit_headline(fit);
   facts["tile_columns"] = tile_columns(facts["headline"].size());
@@ -264,14 +321,13 @@ json fit_facts(const FitFolder& folder, const std::string& id, int level) {
     facts["synthetic"].push_back(fit.synthetic_note.empty() ? "The rig data are generated, not measured."
                                                             : fit.synthetic_note);
   facts["is_synthetic"] = fit.synthetic;
-  facts["warnings"] = json::array();
-  for (const FitWarning& warning : fit.warnings)
-    facts["warnings"].push_back({{"code", warning.code},
-                                 {"test", warning.test.empty() ? "whole campaign" : warning.test},
-                                 {"text", warning.text}});
+  facts["warnings"] = warning_facts(fit);
   facts["has_warnings"] = !fit.warnings.empty();
+  facts["corrections"] = correction_facts(fit);
+  facts["has_corrections"] = !fit.corrections.empty();
   facts["axes"] = json::array();
   for (const AxisFit& axis : fit.axes) facts["axes"].push_back(axis_facts(folder, axis, id));
+  facts["draws"] = draw_facts(folder);
   const std::string name = folder.path.filename().string();
   facts["provenance"] = provenance_facts(
       fit.provenance, {fit.provenance.command, fmt::format("grouser report {} -o {}/report.html", name, name)});

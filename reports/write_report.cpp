@@ -68,9 +68,11 @@ json contents(const json& page) {
   }
   for (const json& fit : page["fits"]) {
     const std::string id = fit["id"];
-    add(id + "-checks", "Checks");
+    add(id + "-checks", "Verdict");
     if (fit["has_warnings"]) add(id + "-warnings", "Warnings");
+    add(id + "-corrections", "Corrections");
     for (const json& axis : fit["axes"]) add(axis["key"], "Axis " + axis["axis_title"].get<std::string>());
+    if (fit["draws"].is_object()) add(id + "-draws", "Draws");
     add(id + "-provenance", "Provenance");
   }
   return links;

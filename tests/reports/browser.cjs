@@ -38,7 +38,9 @@ async function charts(page) {
   check(state.errors.length === 0, "errors: " + state.errors.join("; "));
   if (expected.charts === "0") {
     check(state.charts === 0, `expected no charts, found ${state.charts}`);
-    check(await page.$eval(".on-light", image => image.naturalWidth > 100 && image.getClientRects().length > 0), "a drawn plot is shown");
+    const multiples = await page.$$eval("svg.figure", all => all.filter(svg => svg.getClientRects().length > 0).map(svg => svg.getBoundingClientRect().width));
+    check(multiples.length > 5, `expected small multiples, found ${multiples.length}`);
+    check(multiples.every(width => width > 200), `a small multiple is too small to read: ${Math.min(...multiples)} pixels`);
     return;
   }
   check(state.charts > 10, `expected charts, found ${state.charts}`);
@@ -87,6 +89,8 @@ async function player(page) {
   const background = p => p.evaluate(() => getComputedStyle(document.body).backgroundColor);
   const light = await background(page);
   await page.emulateMedia({ media: "print" });
+  await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
+  check(await page.$$eval("details", all => all.every(fold => fold.open)), "folded parts are not printed");
   check(await page.$$eval(".screen, .chart", all => all.every(e => e.getClientRects().length === 0)), "moving parts are printed");
   check(await page.$$eval("h1, h2, h3", all => all.filter(h => h.getClientRects().length > 0).every(h => h.parentElement.innerText.trim() !== h.innerText.trim())),
     "a heading is printed over nothing");
@@ -95,6 +99,8 @@ async function player(page) {
   check(light !== await background(dark), "dark mode looks like light mode");
 
   const narrow = await open(browser, { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true });
+  const small = await narrow.$$eval("svg.figure", all => all.filter(svg => svg.getClientRects().length > 0).map(svg => svg.getBoundingClientRect().width));
+  check(small.every(width => width > 250), `a small multiple is too small for a telephone: ${Math.min(...small)} pixels`);
   check(await narrow.evaluate(() => document.documentElement.scrollWidth <= innerWidth + 1), "the page is wider than a telephone");
 
   await browser.close();

@@ -9,6 +9,7 @@
 #include "model/fit.h"
 #include "model/provenance.h"
 #include "reports/assets.h"
+#include "reports/remedies.h"
 #include "reports/report.h"
 #include "tests/support/mock_run.h"
 #include "tests/support/temporary_folder.h"
@@ -19,12 +20,22 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-/// What a reader sees: the page without scripts, styles and tags, entities undone.
+/// Where an element that may hold others of its name ends.
+std::size_t end_of_element(const std::string& html, std::size_t begin, const std::string& tag) {
+  int depth = 0;
+  for (std::size_t at = begin; at != std::string::npos; at = html.find('<', at + 1)) {
+    if (html.compare(at + 1, tag.size(), tag) == 0) ++depth;
+    if (html.compare(at + 1, tag.size() + 1, "/" + tag) == 0 && --depth == 0) return at;
+  }
+  return html.size();
+}
+
+/// What a reader sees: the page without scripts, styles, pictures and tags, entities undone.
 std::string visible_text(const std::string& html) {
   std::string text;
   for (std::size_t i = html.find("<body"); i < html.size(); ++i) {
-    for (const std::string tag : {"script", "style"})
-      if (html.compare(i, tag.size() + 1, "<" + tag) == 0) i = html.find("</" + tag, i);
+    for (const std::string tag : {"script", "style", "svg"})
+      if (html.compare(i, tag.size() + 1, "<" + tag) == 0) i = end_of_element(html, i, tag);
     if (html[i] == '<') {
       i = html.find('>', i);
       text += ' ';
@@ -45,13 +56,10 @@ void gather_strings(const nlohmann::json& value, std::string& all) {
     for (const nlohmann::json& item : value) gather_strings(item, all);
 }
 
-class Pages : public testing::Test {
+/// Reports of one fit folder, "identification".
+class FitPages : public testing::Test {
  protected:
-  void SetUp() override {
-    mock::write_run(folder_ / "run_a", {.name = "Run A"});
-    mock::write_run(folder_ / "run_b", {.name = "Run B", .turn = true, .failing_check = true});
-    mock::write_fit_folder(folder_ / "identification");
-  }
+  void SetUp() override { mock::write_fit_folder(folder_ / "identification"); }
   std::string report(const std::vector<std::string>& names) {
     std::vector<std::filesystem::path> folders;
     for (const std::string& name : names) folders.push_back(folder_ / name);
@@ -60,6 +68,15 @@ class Pages : public testing::Test {
   }
   nlohmann::json twin() { return nlohmann::json::parse(read_whole(folder_ / "report.json")); }
   test::TemporaryFolder folder_;
+};
+
+class Pages : public FitPages {
+ protected:
+  void SetUp() override {
+    FitPages::SetUp();
+    mock::write_run(folder_ / "run_a", {.name = "Run A"});
+    mock::write_run(folder_ / "run_b", {.name = "Run B", .turn = true, .failing_check = true});
+  }
 };
 
 TEST_F(Pages, EveryNumberOfAReportStandsInItsTwin) {
@@ -91,7 +108,7 @@ TEST_F(Pages, VerdictAndChecksComeFirstAndTellTheFailure) {
   EXPECT_LT(text.find("1 of 2 checks fail"), text.find("Bushing between links"));
 }
 
-TEST_F(Pages, ATestThatWasLeftOutIsNoPerfectFit) {
+TEST_F(FitPages, ATestThatWasLeftOutIsNoPerfectFit) {
   const std::filesystem::path file = folder_ / "identification" / "fit.json";
   FitRecord fit = read_fit(file);
   fit.tests.front().cycles_used = 0;
@@ -109,7 +126,7 @@ TEST_F(Pages, ATestThatWasLeftOutIsNoPerfectFit) {
   EXPECT_TRUE(facts["axes"][0]["tests"][0]["nrmse"]["value"].is_null());
 }
 
-TEST_F(Pages, ACalibrationIsJudgedOnlyWhereItIsRecorded) {
+TEST_F(FitPages, ACalibrationIsJudgedOnlyWhereItIsRecorded) {
   EXPECT_THAT(visible_text(report({"identification"})), HasSubstr("sensor calibration"));
   const std::filesystem::path file = folder_ / "identification" / "fit.json";
   FitRecord fit = read_fit(file);
@@ -133,6 +150,144 @@ TEST_F(Pages, NamesStayText) {
   EXPECT_THAT(html, Not(HasSubstr("<script>alert(1)")));
   EXPECT_THAT(visible_text(html), HasSubstr(evil));
   EXPECT_EQ(twin()["runs"][0]["title"], evil);
+}
+
+TEST_F(FitPages, NamesOfAFitStayText) {
+  const std::string evil = "</svg><script>alert(1)</script>\"'&{{title}}";
+  const std::filesystem::path file = folder_ / "identification" / "fit.json";
+  FitRecord fit = read_fit(file);
+  fit.specimen = evil;
+  fit.tests[0].name = evil;
+  fit.tests[0].per_cycle[0].note = evil;
+  fit.warnings.push_back({"drift", evil, evil});
+  fit.corrections.push_back({"remove_creep", evil, evil});
+  fit.axes[0].not_identified.push_back(evil);
+  fit.axes[0].parameters[0].name = evil;
+  write_fit(fit, file);
+  const std::string html = report({"identification"});
+  EXPECT_THAT(html, Not(HasSubstr("<script>alert(1)")));
+  EXPECT_THAT(visible_text(html), HasSubstr(evil));
+}
+
+TEST_F(FitPages, AFitShowsItsVerdictItsWarningsAndItsCorrectionsBeforeItsLoops) {
+  const std::string text = visible_text(report({"identification"}));
+  std::size_t last = 0;
+  for (const char* part : {"Every limit is met on all 2 axes",
+                           "Quantity, worst of the axis",
+                           "Warnings about the data",
+                           "remove_backlash",
+                           "Corrections applied",
+                           "taken out of 7 tests",
+                           "Axis x",
+                           "Every test",
+                           "loop_x_100_1",
+                           "Residuals of every test",
+                           "Loop measures of every test",
+                           "Every cycle",
+                           "Gain residual of each test",
+                           "Stiffness and loss factor",
+                           "Energy over amplitude",
+                           "Backbone and tangent stiffness",
+                           "Response with 95 % intervals",
+                           "Law and valid range",
+                           "What the data cannot identify",
+                           "Size of the law",
+                           "2 parameters with 95 % intervals",
+                           "Axis ry",
+                           "draws/bushing_07.json",
+                           "Provenance",
+                           "grouser identify rig.json -o mock"}) {
+    const std::size_t at = text.find(part, last);
+    ASSERT_NE(at, std::string::npos) << part << " is missing, or stands too early";
+    last = at;
+  }
+}
+
+TEST_F(FitPages, LimitsOfAFitAreJudgedAxisByAxis) {
+  const std::filesystem::path file = folder_ / "identification" / "fit.json";
+  FitRecord fit = read_fit(file);
+  report({"identification"});
+  EXPECT_EQ(twin()["fits"][0]["verdict"]["pass"], true);
+  for (TestFit& test : fit.tests)
+    if (test.axis == Axis::ry) test.fitted.dissipated_energy = 1.06 * test.measured.dissipated_energy;  // limit: 5 %
+  write_fit(fit, file);
+  report({"identification"});
+  const nlohmann::json facts = twin()["fits"][0];
+  EXPECT_EQ(facts["verdict"]["pass"], false);
+  EXPECT_THAT(facts["verdict"]["text"].get<std::string>(), HasSubstr("1 of 2 axes meet every limit"));
+  EXPECT_THAT(facts["verdict"]["text"].get<std::string>(), HasSubstr("ry: Largest error of a loop’s energy 6.0 %"));
+  EXPECT_EQ(facts["checks"]["axes"][0]["pass"], true);
+  EXPECT_EQ(facts["checks"]["axes"][1]["pass"], false);
+}
+
+TEST_F(FitPages, ASolverThatDidNotConvergeMeetsNoLimit) {
+  const std::filesystem::path file = folder_ / "identification" / "fit.json";
+  FitRecord fit = read_fit(file);
+  fit.axes[0].solver.termination = "NO_CONVERGENCE";
+  write_fit(fit, file);
+  report({"identification"});
+  EXPECT_EQ(twin()["fits"][0]["checks"]["axes"][0]["pass"], false);
+}
+
+TEST_F(FitPages, WarningsOfOneKindStandTogetherWithWhatToDo) {
+  report({"identification"});
+  const nlohmann::json warnings = twin()["fits"][0]["warnings"];
+  ASSERT_EQ(warnings.size(), 2u);
+  EXPECT_EQ(warnings[0]["code"], "drift");
+  EXPECT_EQ(warnings[0]["evidence"].size(), 2u);
+  EXPECT_EQ(warnings[1]["correction"], "remove_backlash");
+}
+
+TEST_F(FitPages, AStaticTestAloneMakesAPage) {
+  FitRecord fit = mock::fit_record("Ramp");
+  fit.tests.resize(1);
+  fit.axes.resize(1);
+  TestFit& ramp = fit.tests[0];
+  ramp.kind = TestKind::static_ramp;
+  ramp.frequency = 0.0;
+  ramp.measured = {.effective_stiffness = 1e8};
+  ramp.fitted = {.effective_stiffness = 1e8};
+  ramp.gain = 0.0;
+  AxisFit& axis = fit.axes[0];
+  axis.responses.clear();
+  axis.selection.clear();
+  axis.parameters.clear();
+  axis.tangent.clear();
+  axis.clearance.reset();
+  axis.draws = 0;
+  fit.warnings.clear();
+  fit.corrections.clear();
+  write_fit(fit, folder_ / "identification" / "fit.json");
+  const std::string text = visible_text(report({"identification"}));
+  EXPECT_THAT(text, HasSubstr("the fit saw the data as the rig file gives them"));
+  for (const char* absent :
+       {"Energy over amplitude", "Gain residual", "Bushings as likely", "Widest 95 % interval of energy"})
+    EXPECT_THAT(text, Not(HasSubstr(absent)));
+}
+
+TEST_F(FitPages, AFitWithoutAnyAxisSaysSo) {
+  FitRecord fit = mock::fit_record("Nothing");
+  fit.axes.clear();
+  write_fit(fit, folder_ / "identification" / "fit.json");
+  EXPECT_THAT(visible_text(report({"identification"})), HasSubstr("No axis could be identified"));
+}
+
+TEST_F(FitPages, EveryCodeOfAWarningHasARemedy) {
+  // The list in model/fit.h, where the codes are declared.
+  const std::string header = read_whole(std::filesystem::path(GROUSER_SOURCE_DIR) / "model" / "fit.h");
+  const std::size_t from = header.find("struct FitWarning"), to = header.find("std::string test;", from);
+  const std::string codes = header.substr(from, to - from);
+  const std::regex quoted("\"([a-z_]+)\"");
+  int count = 0;
+  for (std::sregex_iterator it(codes.begin(), codes.end(), quoted), end; it != end; ++it, ++count)
+    EXPECT_FALSE(remedy_of((*it)[1]).action.empty()) << (*it)[1];
+  EXPECT_GE(count, 22);
+}
+
+TEST_F(FitPages, RemediesNameCorrectionsThatARigFileMayAskFor) {
+  for (const char* code : {"drift", "swapped_columns", "reversed_polarity", "time_gap", "phase_break", "backlash",
+                           "conditioning_cycles", "unsettled_cycles", "thermal_softening"})
+    EXPECT_NE(std::ranges::find(k_correction_names, remedy_of(code).correction), k_correction_names.end()) << code;
 }
 
 TEST_F(Pages, AsksNothingOfAnyNetwork) {
@@ -172,6 +327,11 @@ TEST_F(Pages, EveryPictureHasATextAlternative) {
   for (std::sregex_iterator it(html.begin(), html.end(), picture), end; it != end; ++it, ++count)
     EXPECT_TRUE(std::regex_search(it->str(), std::regex(R"(alt="[^"]{10,})"))) << it->str();
   EXPECT_GT(count, 10);
+  const std::regex graphic(R"(<svg class="figure"[^>]*>)");
+  count = 0;
+  for (std::sregex_iterator it(html.begin(), html.end(), graphic), end; it != end; ++it, ++count)
+    EXPECT_TRUE(std::regex_search(it->str(), std::regex(R"(aria-label="[^"]{10,})"))) << it->str();
+  EXPECT_GT(count, 20);
 }
 
 TEST_F(Pages, FiguresWithoutDataAreLeftOutWithASentence) {

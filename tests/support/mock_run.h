@@ -2,6 +2,8 @@
 #include <filesystem>
 #include <string>
 
+#include "model/fit.h"
+
 /// Test only: a run folder of the right shape with made-up motion and forces, no physics behind it.
 namespace grouser::mock {
 
@@ -19,7 +21,9 @@ struct RunOptions {
 /// Writes run.json, run.h5 and inputs/ with every dataset of a real run.
 void write_run(const std::filesystem::path& folder, const RunOptions& options = {});
 
-/// Writes fit.json and bushing.json of two axes with made-up loops.
+/// A fit of two axes, x and ry, with made-up loops and every field of the record filled.
+[[nodiscard]] FitRecord fit_record(const std::string& specimen = "Mock specimen");
+/// Writes fit.json and bushing.json of that fit.
 void write_fit_folder(const std::filesystem::path& folder, const std::string& specimen = "Mock specimen");
 
 }  // namespace grouser::mock
