@@ -133,6 +133,7 @@ void warn_of_missing_axes(const AxisResults& results, std::vector<FitWarning>& w
 
 double worst_calibration(const RigRecord& rig) {
   double worst = rig.force_sensor ? calibration_residual(*rig.force_sensor) : 0.0;
+  if (rig.torque_sensor) worst = std::max(worst, calibration_residual(*rig.torque_sensor));
   for (const SensorCalibration& sensor : rig.displacement_sensors)
     worst = std::max(worst, calibration_residual(sensor));
   return worst;
