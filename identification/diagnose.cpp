@@ -7,21 +7,25 @@
 #include <map>
 #include <numbers>
 
+#include "identification/cycle_findings.h"
+#include "identification/shown.h"
+
 namespace grouser {
 namespace {
 
 constexpr std::size_t k_clipped_run = 4;     // equal samples at the extreme; noise and a sine's crest give 2 or 3
-constexpr double k_frequency_error = 0.01;   // stated against measured (I 4)
-constexpr double k_amplitude_error = 0.05;   // stated against measured
+constexpr std::size_t k_long_run = 12;       // long enough to tell a cut crest from a round one in coarse steps
+constexpr double k_round = 0.25;             // a round crest dwells 41 % longer in the next step down, a cut one hardly
+constexpr double k_offset = 0.05;            // of the range
+constexpr double k_both = 0.4;               // shares of force and displacement this alike are one preload
+constexpr double k_start = 0.02;             // of the range: a ramp that starts at zero
 constexpr double k_drift = 0.03;             // of the range, over the used cycles
-constexpr double k_settling = 0.015;         // energy change of the last used cycle
 constexpr double k_no_slope = 0.05;          // correlation of a pure damper; its sign is no evidence
 constexpr double k_least_loss = 0.01;        // loss factor below which the loop's sense of turning is no evidence
 constexpr double k_tilt = 0.1;               // half difference of the LVDTs over the displacement
 constexpr std::size_t k_fewest_samples = 8;  // of a test; fewer are never cut into cycles
 constexpr double k_purer = 1.5;              // ratio of two sine residuals that is evidence
 constexpr double k_pi = std::numbers::pi;
-constexpr double k_gap = 5.0;        // of the usual time step
 constexpr int k_least_samples = 50;  // per cycle; 39 lose .6-1 % of the area to the chord (I 4)
 
 struct Plateau {
@@ -40,18 +44,33 @@ Plateau longest_plateau(const std::vector<double>& signal, double level, bool at
   return best;
 }
 
+// Whether the channel dwells one step below its plateau about as long again: a crest in the steps of a coarse
+// converter.
+bool is_round(const std::vector<double>& channel, const Plateau& top) {
+  const double level = channel[top.at];
+  const std::size_t end = top.at + top.length;
+  const double step = std::min(top.at > 0 ? std::abs(channel[top.at - 1] - level) : HUGE_VAL,
+                               end < channel.size() ? std::abs(channel[end] - level) : HUGE_VAL);
+  const auto near = [&](std::size_t i) { return std::abs(channel[i] - level) < 1.5 * step; };
+  std::size_t beside = 0;
+  for (std::size_t i = top.at; i > 0 && near(i - 1); --i) ++beside;
+  for (std::size_t i = end; i < channel.size() && near(i); ++i) ++beside;
+  return top.length >= k_long_run && static_cast<double>(beside) > k_round * static_cast<double>(top.length);
+}
+
 // A channel that stands still at its extreme while the other one moves has hit its limit.
 void find_clipping(const PreparedTest& test, const std::vector<double>& channel, const std::vector<double>& other,
                    const char* name, std::vector<FitWarning>& warnings) {
   const auto [low, high] = std::minmax_element(channel.begin(), channel.end());
   const double moved_enough = 0.002 * central_range(other);
   for (const double level : {*low, *high}) {
-    const auto [at, length] = longest_plateau(channel, level, true);
+    const Plateau top = longest_plateau(channel, level, true);
+    const auto [at, length] = top;
     // coarse steps of a converter stand still everywhere
     if (length < std::max(k_clipped_run, 3 * longest_plateau(channel, level, false).length)) continue;
     const auto first = other.begin() + static_cast<std::ptrdiff_t>(at);
     const auto [a, b] = std::minmax_element(first, first + static_cast<std::ptrdiff_t>(length));
-    if (*b - *a < moved_enough) continue;
+    if (*b - *a < moved_enough || is_round(channel, top)) continue;
     warnings.push_back({"clipped_sensor", test.source->name,
                         fmt::format("{} stands at {:.6g} for {} samples from row {} while the other channel moves",
                                     name, level, length, at + 1)});
@@ -96,7 +115,8 @@ void find_mixed_channels(PreparedTest& test, std::vector<FitWarning>& warnings) 
   const bool turns_right = open ? sxf > 0.0 : energy > 0.0, rises = sxf > -k_no_slope * std::sqrt(sxx * sff);
   if (turns_right && rises) return;
   const auto cycles = static_cast<double>(test.cycles.size());
-  std::string evidence = fmt::format("loop area {:.4g} J, slope {:.4g} N/m", energy / cycles, sxf / sxx);
+  std::string evidence =
+      fmt::format("loop area {:.4g} J, slope {}", energy / cycles, Shown(test.source->axis).stiffness(sxf / sxx));
   std::string code = "reversed_polarity", reading = "one channel has its sign reversed";
   // A loop that turns the wrong way round its own slope looks the same for three faults; the user knows which.
   const std::string wrong_turn = "force and displacement are swapped, or time runs backwards, or one channel lags";
@@ -116,45 +136,16 @@ void find_mixed_channels(PreparedTest& test, std::vector<FitWarning>& warnings) 
   }
 }
 
-void find_wrong_frequency(const PreparedTest& test, std::vector<FitWarning>& warnings) {
-  const auto& stated = test.source->frequency;
-  if (!stated || !test.source->time_measured) return;
-  const double error = test.frequency / *stated - 1.0;
-  if (std::abs(error) <= k_frequency_error) return;
-  warnings.push_back({"wrong_frequency", test.source->name,
-                      fmt::format("stated {:.4g} Hz, measured {:.4g} Hz ({:+.1f} %); the measured value is used",
-                                  *stated, test.frequency, 100.0 * error)});
-}
-
 struct Channel {
   const std::vector<double>& values;
-  const char *name, *unit;
+  const char* name;
   const char* consequence;  // what the fit makes of a drift: only the force's zero is free to move
-};
+  bool is_force;
 
-// The laboratory may state the specimen's amplitude or that of the whole column (frame and bushings in series): a
-// warning only where neither fits. A stepped record is held against its largest amplitude.
-void find_wrong_amplitude(const PreparedTest& test, const RigRecord& rig, std::vector<FitWarning>& warnings) {
-  const auto& stated = test.source->amplitude;
-  if (!stated || test.source->kind != TestKind::cyclic) return;
-  const Cycle* largest = nullptr;
-  for (const Cycle& cycle : test.cycles) {
-    if (cycle.used && (largest == nullptr || cycle.amplitude > largest->amplitude)) largest = &cycle;
+  [[nodiscard]] std::string show(double value, Axis axis) const {
+    return is_force ? Shown(axis).force(value) : Shown(axis).displacement(value);
   }
-  if (largest == nullptr) return;
-  const bool turns = is_rotation(test.source->axis);
-  const double compliance = turns ? 0.0 : rig.rig_compliance;
-  const double measured = largest->amplitude;
-  const double column = measured * (rig.bushings_in_series + compliance * largest->measured.effective_stiffness);
-  const auto wrong = [&](double value) { return std::abs(value / *stated - 1.0) > k_amplitude_error; };
-  if (!wrong(measured) || !wrong(column)) return;
-  const double shown = turns ? 180.0 / k_pi : 1e3;
-  const char* unit = turns ? "deg" : "mm";
-  warnings.push_back(
-      {"wrong_amplitude", test.source->name,
-       fmt::format("stated {:.4g} {}, measured {:.4g} {} (half the range, {:+.1f} %); the measured value is used",
-                   shown * *stated, unit, shown * measured, unit, 100.0 * (measured / *stated - 1.0))});
-}
+};
 
 // Change of the cycle means over the used cycles of a block, by regression.
 void find_drift(const PreparedTest& test, const Channel& channel, std::vector<FitWarning>& warnings) {
@@ -176,42 +167,89 @@ void find_drift(const PreparedTest& test, const Channel& channel, std::vector<Fi
     }
     const double change = sxy / sxx * n, range = central_range(channel.values);
     if (std::abs(change) <= k_drift * range) continue;
-    warnings.push_back(
-        {"drift", test.source->name,
-         fmt::format("mean {} of a cycle moves by {:.3g} {} ({:.1f} % of its range) over {} cycles; {}", channel.name,
-                     change, channel.unit, 100.0 * change / range, values.size(), channel.consequence)});
+    warnings.push_back({"drift", test.source->name,
+                        fmt::format("mean {} of a cycle moves by {} ({:.1f} % of its range) over {} cycles; {}",
+                                    channel.name, channel.show(change, test.source->axis), 100.0 * change / range,
+                                    values.size(), channel.consequence)});
   }
 }
 
-void find_unsettled(const PreparedTest& test, std::vector<FitWarning>& warnings) {
-  for (int block = 0; block < test.blocks; ++block) {
-    std::vector<double> energies;
-    double noise = 0.0;
-    for (const Cycle& cycle : test.cycles) {
-      if (cycle.block != block || cycle.note == "transition") continue;
-      energies.push_back(cycle.measured.dissipated_energy);
-      noise = energy_noise(test, cycle);
+// Middle of the largest used loops: the displacement's, and the force there, between the branches; shares of the
+// ranges.
+struct LoopCentre {
+  double displacement = 0.0, force = 0.0;
+  double displacement_range = 0.0, force_range = 0.0;
+};
+
+LoopCentre centre_of_loops(const PreparedTest& test) {
+  const Cycle* largest = nullptr;
+  for (const Cycle& cycle : test.cycles) {
+    if (cycle.used && (largest == nullptr || cycle.amplitude > largest->amplitude)) largest = &cycle;
+  }
+  LoopCentre centre;
+  double count = 0.0;
+  for (const Cycle& cycle : test.cycles) {
+    if (largest == nullptr || !cycle.used || cycle.block != largest->block) continue;
+    count += 1.0;
+    centre.displacement += cycle.centre;
+    centre.displacement_range += 2.0 * cycle.amplitude;
+    centre.force_range += 2.0 * cycle.amplitude * cycle.measured.effective_stiffness;
+    double rising = 0.0, falling = 0.0;
+    for (std::size_t i = cycle.span.begin + 1; i <= cycle.span.end; ++i) {
+      const double a = test.displacement[i - 1] - cycle.centre, b = test.displacement[i] - cycle.centre;
+      if ((a < 0.0) == (b < 0.0)) continue;
+      (b > a ? rising : falling) = test.force[i - 1] + (test.force[i] - test.force[i - 1]) * a / (a - b);
     }
-    if (energies.size() < 3) continue;
-    // The same sign twice over tells settling from noise.
-    const double last = energies.back() / energies[energies.size() - 2] - 1.0;
-    const double before = energies[energies.size() - 2] / energies[energies.size() - 3] - 1.0;
-    const double limit = std::max(k_settling, 3.0 * noise / std::abs(energies.back()));
-    if (last * before <= 0.0 || 0.5 * std::abs(last + before) <= limit) continue;
-    warnings.push_back({"unsettled_cycles", test.source->name,
-                        fmt::format("loop area still changes by {:.1f} % a cycle in the last cycles of block {}",
-                                    50.0 * (last + before), block + 1)});
+    centre.force += 0.5 * (rising + falling);
   }
+  for (double* value : {&centre.displacement, &centre.force, &centre.displacement_range, &centre.force_range}) {
+    *value /= std::max(count, 1.0);
+  }
+  return centre;
 }
 
-void find_transitions(const PreparedTest& test, std::vector<FitWarning>& warnings) {
-  std::string list;
-  for (std::size_t k = 0; k < test.cycles.size(); ++k) {
-    if (test.cycles[k].note == "transition") list += fmt::format("{}{}", list.empty() ? "" : ", ", k + 1);
+// A loop's own middle tells a false zero: displacement and force off theirs together, to the same side, is a preload;
+// one of them alone is a zero that was not set. Loops about a stated preset may count from it or from its zero.
+void find_offset(const PreparedTest& test, std::vector<FitWarning>& warnings) {
+  if (test.source->kind != TestKind::cyclic || test.cycles_used() == 0) return;
+  const LoopCentre centre = centre_of_loops(test);
+  const Shown shown(test.source->axis);
+  const double x = centre.displacement / centre.displacement_range, f = centre.force / centre.force_range;
+  const std::string where =
+      fmt::format("loops run about {} ({:.0f} % of their range) and {} ({:.0f} %)",
+                  shown.displacement(centre.displacement), 100.0 * x, shown.force(centre.force), 100.0 * f);
+  if (test.source->preset) {
+    const double off = std::abs(centre.displacement - *test.source->preset) / centre.displacement_range;
+    if (off <= k_offset || std::abs(x) <= k_offset) return;
+    warnings.push_back(
+        {"offset", test.source->name,
+         fmt::format("{}, the rig file states a preset of {}", where, shown.displacement(*test.source->preset))});
+    return;
   }
-  if (list.empty()) return;
-  warnings.push_back({"transition_cycles", test.source->name,
-                      fmt::format("cycles {} lie between two amplitudes and are not fitted", list)});
+  if (std::max(std::abs(x), std::abs(f)) <= k_offset) return;
+  const bool one_side = x * f > 0.0 && std::min(x / f, f / x) > k_both;
+  if (one_side) {
+    warnings.push_back({"preload", test.source->name, where + ": a preload that no preset states"});
+    return;
+  }
+  const bool by_force = std::abs(f) > std::abs(x);
+  warnings.push_back({"offset", test.source->name,
+                      where + fmt::format(": the zero of the {} was not set; {}", by_force ? "force" : "displacement",
+                                          by_force ? "the fit leaves it out" : "the fit takes it for a stretch")});
+}
+
+// A ramp that starts at the displacement's zero must start at the force's.
+void find_offset_of_ramp(const PreparedTest& test, std::vector<FitWarning>& warnings) {
+  if (test.source->kind != TestKind::static_ramp || test.cycles_used() == 0) return;
+  const double force_range = central_range(test.source->force), range = central_range(test.source->displacement);
+  const double force = test.source->force.front(), x = test.source->displacement.front();
+  if (std::abs(x) > k_start * range || std::abs(force) <= k_offset * force_range) return;
+  const Shown shown(test.source->axis);
+  warnings.push_back(
+      {"offset", test.source->name,
+       fmt::format("the ramp starts at {} with {} ({:.0f} % of its range): the zero of the force was not "
+                   "set; the fit leaves it out",
+                   shown.displacement(x), shown.force(force), 100.0 * std::abs(force) / force_range)});
 }
 
 void find_sparse_sampling(const PreparedTest& test, std::vector<FitWarning>& warnings) {
@@ -237,27 +275,6 @@ void find_tilt(const PreparedTest& test, std::vector<FitWarning>& warnings) {
 
 }  // namespace
 
-bool find_time_gap(PreparedTest& test, std::vector<FitWarning>& warnings) {
-  if (!test.source->time_measured || test.time.size() < k_fewest_samples) return false;
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < test.time.size(); ++i) steps.push_back(test.time[i] - test.time[i - 1]);
-  std::vector<double> sorted = steps;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  const auto is_gap = [limit = k_gap * *middle](double step) { return step > limit; };
-  const auto gaps = std::count_if(steps.begin(), steps.end(), is_gap);
-  if (gaps == 0) return false;
-  const auto at = static_cast<std::size_t>(std::find_if(steps.begin(), steps.end(), is_gap) - steps.begin());
-  test.unusable = fmt::format("a time gap of {:.4g} s after sample {} (at {:.6g} s; the usual step is {:.4g} s)",
-                              steps[at], at + 1, test.time[at], *middle);
-  if (gaps > 1) test.unusable += fmt::format(", the first of {}", gaps);
-  warnings.push_back(
-      {"time_gap", test.source->name,
-       test.unusable + ": no rate can be told across it; the test is left out of the fit, cut the record there"});
-  for (Cycle& cycle : test.cycles) cycle.note = "time gap in the record";
-  return true;
-}
-
 void diagnose(PreparedTest& test, const RigRecord& rig, std::vector<FitWarning>& warnings) {
   const std::string& name = test.source->name;
   if (test.cycles.empty()) test.unusable = "no closed cycle";
@@ -278,16 +295,16 @@ void diagnose(PreparedTest& test, const RigRecord& rig, std::vector<FitWarning>&
   find_mixed_channels(test, warnings);
   find_clipping(test, test.source->displacement, test.source->force, "displacement", warnings);
   find_clipping(test, test.source->force, test.source->displacement, "force", warnings);
-  find_wrong_frequency(test, warnings);
-  find_wrong_amplitude(test, rig, warnings);
-  const bool turns = is_rotation(test.source->axis);
-  find_drift(test, {test.force, "force", turns ? "N m" : "N", "taken out of the fit as a straight line"}, warnings);
-  find_drift(test,
-             {test.displacement, "displacement", turns ? "rad" : "m",
-              "the fit takes it for a motion of the specimen and leaves it in"},
-             warnings);
-  find_unsettled(test, warnings);
-  find_transitions(test, warnings);
+  find_drift(test, {test.force, "force", "taken out of the fit as a straight line", true}, warnings);
+  find_drift(
+      test,
+      {test.displacement, "displacement", "the fit takes it for a motion of the specimen and leaves it in", false},
+      warnings);
+  // a drifting zero is not where it was set; that is said once
+  const auto drifts = [&](const FitWarning& warning) { return warning.code == "drift" && warning.test == name; };
+  if (std::none_of(warnings.begin(), warnings.end(), drifts)) find_offset(test, warnings);
+  find_offset_of_ramp(test, warnings);
+  find_in_cycles(test, rig, warnings);
   find_sparse_sampling(test, warnings);
   find_tilt(test, warnings);
   if (!test.rate_known) {

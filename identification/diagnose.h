@@ -9,8 +9,4 @@ namespace grouser {
 /// each. Marks the test unusable when its two channels cannot be what the file says (swapped, reversed).
 void diagnose(PreparedTest& test, const RigRecord& rig, std::vector<FitWarning>& warnings);
 
-/// Looks for a hole in a measured time column (a step of more than five usual ones): no frequency and no rate can be
-/// told across it. If there is one, adds a warning `time_gap` with its place, marks the test unusable, returns true.
-bool find_time_gap(PreparedTest& test, std::vector<FitWarning>& warnings);
-
 }  // namespace grouser

@@ -4,188 +4,226 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <limits>
+#include <numeric>
 
+#include "identification/corrections.h"
+#include "identification/cycle_choice.h"
 #include "identification/diagnose.h"
+#include "identification/jumps.h"
+#include "identification/reduce.h"
 
 namespace grouser {
 namespace {
 
-constexpr double k_transition = 0.05;      // shift of a cycle's middle over its range (I 4: exactly the block changes)
-constexpr double k_same_amplitude = 0.05;  // half swings of one block agree within 5 %
-constexpr double k_settled = 0.03;         // |dE/E| to the predecessor; rubber never settles to the noise (I 4)
-constexpr std::size_t k_most_cycles =
-    10;  // of a block in the fit: cycles are not replicates (I 2), more only cost time
-constexpr std::size_t k_most_sine_samples = 20000;
+constexpr std::size_t k_most_sine_samples = 4000;
+constexpr double k_same_period = 0.04, k_same_amplitude = 0.05;  // of cycles that one sine is fitted to
+constexpr double k_sharp = 0.06;          // sine residual: reversals are corners (a triangle's is 0.12)
 constexpr double k_smooth_noise = 0.1;    // of a sample's step: less noise does not disturb the element histories
 constexpr double k_smooth_range = 0.003;  // noise over force range that would bias a force range
+/// Before the first used cycle. The first swing sets every stop that can slip in this test, branches up to the test's
+/// own period forget in one turn (e^-6); what is slower or larger acts as the spring does.
+constexpr std::size_t k_history_cycles = 10;
 
-double median(std::vector<double> values) {
-  const auto mid = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), mid, values.end());
-  return *mid;
-}
-
-// A time column rounded by its file would make a new step length of every sample; equal steps are restored.
-std::vector<double> regular_time(const std::vector<double>& time) {
-  if (time.size() < 3) return time;
+// A time column rounded by its file would make a new step length of every sample; equal steps are restored. Where
+// stamps are doubled, their resolution is the error to allow for.
+bool restore_even_steps(std::span<double> time) {
+  if (time.size() < 3) return true;
   const double step = (time.back() - time.front()) / static_cast<double>(time.size() - 1);
-  std::vector<double> even(time.size());
-  for (std::size_t i = 0; i < time.size(); ++i) {
-    even[i] = time.front() + step * static_cast<double>(i);
-    if (std::abs(even[i] - time[i]) > 0.1 * step) return time;
+  double finest = std::numeric_limits<double>::max();
+  bool doubled = false;
+  for (std::size_t i = 1; i < time.size(); ++i) {
+    const double one = time[i] - time[i - 1];
+    doubled = doubled || one == 0.0;
+    if (one > 0.0) finest = std::min(finest, one);
   }
-  return even;
+  const double allowed = std::max(0.1 * step, doubled ? finest : 0.0);
+  for (std::size_t i = 0; i < time.size(); ++i) {
+    if (std::abs(time.front() + step * static_cast<double>(i) - time[i]) > allowed) return false;
+  }
+  const double start = time.front();
+  for (std::size_t i = 0; i < time.size(); ++i) time[i] = start + step * static_cast<double>(i);
+  return true;
 }
 
-int samples_per_cycle(const PreparedTest& test) {
-  const auto samples = test.cycles.back().span.end - test.cycles.front().span.begin;
-  return static_cast<int>(samples / test.cycles.size());
+// Doubled stamps of an uneven clock share the step that follows them.
+void separate_stamps(std::span<double> time) {
+  for (std::size_t i = 0; i < time.size();) {
+    std::size_t next = i + 1;
+    while (next < time.size() && time[next] <= time[i]) ++next;
+    const double step = next < time.size() ? time[next] - time[i] : time[i] - (i > 0 ? time[i - 1] : time[i] - 1.0);
+    for (std::size_t k = i + 1; k < next; ++k) {
+      time[k] = time[i] + step * static_cast<double>(k - i) / static_cast<double>(next - i);
+    }
+    i = next;
+  }
 }
 
-// Largest odd window that spans a tenth of a cycle, at most 15 samples (I 2).
-int smoothing_window(int per_cycle) { return std::min(15, per_cycle / 10 / 2 * 2 + 1); }
-
-void measure_cycle(Cycle& cycle, const PreparedTest& test) {
-  const auto first = test.displacement.begin() + static_cast<std::ptrdiff_t>(cycle.span.begin);
-  const auto last = test.displacement.begin() + static_cast<std::ptrdiff_t>(cycle.span.end) + 1;
-  const auto [low, high] = std::minmax_element(first, last);
-  cycle.amplitude = 0.5 * (*high - *low);
-  cycle.centre = 0.5 * (*high + *low);
-  cycle.measured = loop_measures(test.displacement, test.force, test.smooth_force, cycle.span, test.frequency);
-  if (cycle.open) cycle.measured = {.effective_stiffness = cycle.measured.effective_stiffness};
-  add_dynamic_stiffness(test, cycle, test.force, cycle.measured);
+// Evens every part's clock. Between two parts lies at least the former's duration: every branch is at rest again, and
+// the stops are set anew by the first swing, so that a part starts as a record does.
+void mend_clock(std::vector<double>& time, const std::vector<std::size_t>& parts) {
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    const std::size_t begin = parts[p], end = p + 1 < parts.size() ? parts[p + 1] : time.size();
+    const std::span<double> part = std::span(time).subspan(begin, end - begin);
+    if (p > 0) {
+      const double rest = time[begin - 1] - time[parts[p - 1]], gap = part.front() - time[begin - 1];
+      const double shift = gap < rest ? rest - gap : 0.0;
+      for (double& t : part) t += shift;
+    }
+    if (!restore_even_steps(part)) separate_stamps(part);
+  }
 }
 
 // Closed cycles; a static test may also be one ramp out and no way back, as in the paper.
-std::vector<Cycle> cut_cycles(const RigTest& source, const std::vector<double>& displacement) {
-  std::vector<Cycle> cycles;
-  for (const CycleSpan& span : find_cycles(displacement)) {
-    Cycle cycle;
-    cycle.span = span;
-    cycles.push_back(cycle);
+void cut_cycles(PreparedTest& test, const std::vector<std::size_t>& parts) {
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    const std::size_t begin = parts[p], end = p + 1 < parts.size() ? parts[p + 1] : test.displacement.size();
+    for (const CycleSpan& span : find_cycles(std::span(test.displacement).subspan(begin, end - begin))) {
+      Cycle& cycle = test.cycles.emplace_back();
+      cycle.span = {begin + span.begin, begin + span.end};
+      cycle.part = static_cast<int>(p);
+    }
   }
-  if (cycles.empty() && source.kind == TestKind::static_ramp && displacement.size() > 8) {
-    Cycle ramp;
+  if (test.cycles.empty() && test.source->kind == TestKind::static_ramp && test.displacement.size() > 8) {
+    Cycle& ramp = test.cycles.emplace_back();
     ramp.open = true;
-    ramp.span = {0, displacement.size() - 1};
-    cycles.push_back(ramp);
+    ramp.span = {0, test.displacement.size() - 1};
   }
-  return cycles;
 }
 
-// Times of a record that has none: a ramp moves at its stated rate, a loop turns at its stated frequency, and the
+void measure_extent(Cycle& cycle, const std::vector<double>& displacement) {
+  const auto first = displacement.begin() + static_cast<std::ptrdiff_t>(cycle.span.begin);
+  const auto [low, high] =
+      std::minmax_element(first, first + static_cast<std::ptrdiff_t>(cycle.span.end - cycle.span.begin) + 1);
+  cycle.amplitude = 0.5 * (*high - *low);
+  cycle.centre = 0.5 * (*high + *low);
+}
+
+void measure_cycle(Cycle& cycle, const PreparedTest& test) {
+  measure_extent(cycle, test.displacement);
+  cycle.measured = loop_measures(test.displacement, test.force, test.smooth_force, cycle.span, test.frequency);
+  if (cycle.open) {
+    cycle.measured = {.effective_stiffness = cycle.measured.effective_stiffness,
+                      .secant_stiffness = cycle.measured.secant_stiffness};
+  }
+  add_dynamic_stiffness(test, cycle, test.force, cycle.measured);
+}
+
+// The clock of a record that has none: a ramp moves at its stated rate, a loop turns at its stated frequency, and the
 // samples are equally spaced. Without either, the sample's number stands for the time.
-void build_time(const RigTest& source, PreparedTest& test) {
-  const bool counted = source.time.size() > 1 && source.time.front() == 0.0 &&
-                       source.time.back() == static_cast<double>(source.time.size() - 1);
-  test.rate_known = source.time_measured || source.rate || source.frequency || !counted;
-  test.time = regular_time(source.time);
-  if (source.time_measured || test.cycles.empty()) return;
-  const CycleSpan all{test.cycles.front().span.begin, test.cycles.back().span.end};
-  const auto samples = static_cast<double>(all.end - all.begin);
-  double step = 0.0;
-  if (source.kind == TestKind::static_ramp && source.rate) {
-    double travel = 0.0;
-    for (const Cycle& cycle : test.cycles) {
-      const auto [low, high] =
-          std::minmax_element(source.displacement.begin() + static_cast<std::ptrdiff_t>(cycle.span.begin),
-                              source.displacement.begin() + static_cast<std::ptrdiff_t>(cycle.span.end));
-      travel += (cycle.open ? 1.0 : 2.0) * (*high - *low);
-    }
-    step = travel / *source.rate / samples;
-  } else if (counted && source.frequency) {
+void scale_clock(PreparedTest& test, bool counted) {
+  const RigTest& source = *test.source;
+  test.rate_known = !counted;
+  if (!counted || test.cycles.empty()) return;
+  double step = 0.0, samples = 0.0, travel = 0.0;
+  for (const Cycle& cycle : test.cycles) {
+    samples += test.time[cycle.span.end] - test.time[cycle.span.begin];
+    travel += (cycle.open ? 2.0 : 4.0) * cycle.amplitude;
+  }
+  if (source.kind == TestKind::static_ramp && source.rate) step = travel / *source.rate / samples;
+  if (source.kind == TestKind::cyclic && source.frequency) {
     step = static_cast<double>(test.cycles.size()) / *source.frequency / samples;
   }
-  for (std::size_t i = 0; step > 0.0 && i < test.time.size(); ++i) test.time[i] = step * static_cast<double>(i);
+  if (!(step > 0.0)) return;
+  for (double& t : test.time) t *= step;
+  test.rate_known = true;
+}
+
+// Longest run of cycles that follow each other at one amplitude and one period.
+CycleSpan longest_run(const PreparedTest& test, double period) {
+  std::size_t first = 0, best_first = 0, best_last = 0;
+  for (std::size_t k = 0; k < test.cycles.size(); ++k) {
+    const Cycle& cycle = test.cycles[k];
+    const double turn = test.time[cycle.span.end] - test.time[cycle.span.begin];
+    const bool follows = k > 0 && test.cycles[k - 1].span.end == cycle.span.begin;
+    const bool alike = std::abs(cycle.amplitude - test.cycles[first].amplitude) <= k_same_amplitude * cycle.amplitude;
+    const bool regular = std::abs(turn - period) <= k_same_period * period;
+    if (!follows || !alike || !regular) first = k;
+    if (regular && k - first > best_last - best_first) best_first = first, best_last = k;
+  }
+  const std::size_t end = test.cycles[best_last].span.end;
+  while (best_first < best_last && end - test.cycles[best_first].span.begin > k_most_sine_samples) ++best_first;
+  return {test.cycles[best_first].span.begin, end};
 }
 
 void find_frequency(PreparedTest& test) {
-  if (!test.rate_known || test.cycles.empty()) return;
-  const CycleSpan all{test.cycles.front().span.begin, test.cycles.back().span.end};
-  const double duration = test.time[all.end] - test.time[all.begin];
-  if (test.cycles.front().open) return;
-  test.frequency = static_cast<double>(test.cycles.size()) / duration;
-  if (test.source->kind != TestKind::cyclic) return;
-  std::size_t first = 0;  // the last cycles are enough
-  while (first + 1 < test.cycles.size() && all.end - test.cycles[first].span.begin > k_most_sine_samples) ++first;
-  const CycleSpan part{test.cycles[first].span.begin, all.end};
-  const SineFit displacement = fit_sine(test.time, test.displacement, part, test.frequency);
-  test.frequency = displacement.frequency;
-  test.sine_residual_displacement = displacement.relative_residual;
-  test.sine_residual_force = fit_sine(test.time, test.force, part, test.frequency).relative_residual;
+  if (test.cycles.empty() || test.cycles.front().open) return;
+  std::vector<double> turns;
+  for (const Cycle& cycle : test.cycles) turns.push_back(test.time[cycle.span.end] - test.time[cycle.span.begin]);
+  test.cycle_rate = static_cast<double>(turns.size()) / std::reduce(turns.begin(), turns.end());
+  if (test.source->kind == TestKind::cyclic) {
+    const auto middle = turns.begin() + static_cast<std::ptrdiff_t>(turns.size() / 2);
+    std::nth_element(turns.begin(), middle, turns.end());
+    const CycleSpan run = longest_run(test, *middle);
+    const SineFit displacement = fit_sine(test.time, test.displacement, run, 1.0 / *middle);
+    test.cycle_rate = displacement.frequency;
+    test.sine_residual_displacement = displacement.relative_residual;
+    test.sine_residual_force = fit_sine(test.time, test.force, run, test.cycle_rate).relative_residual;
+  }
+  if (test.rate_known) test.frequency = test.cycle_rate;
 }
 
-void mark_transitions(std::vector<Cycle>& cycles) {
-  std::vector<double> centres;
-  for (const Cycle& cycle : cycles) centres.push_back(cycle.centre);
-  const double usual = median(centres);
-  for (Cycle& cycle : cycles) {
-    if (std::abs(cycle.centre - usual) > k_transition * 2.0 * cycle.amplitude) cycle.note = "transition";
-  }
+// Largest odd window that spans a tenth of a cycle, at most 15 samples (I 2).
+int smoothing_window(const PreparedTest& test) {
+  const std::size_t samples = test.cycles.back().span.end - test.cycles.front().span.begin;
+  return std::min(15, static_cast<int>(samples / test.cycles.size()) / 10 / 2 * 2 + 1);
 }
 
-int number_blocks(std::vector<Cycle>& cycles) {
-  int block = -1;
-  double amplitude = 0.0;
-  bool interrupted = true;
-  for (Cycle& cycle : cycles) {
-    if (cycle.note == "transition") {
-      interrupted = true;
-    } else if (interrupted || std::abs(cycle.amplitude - amplitude) > k_same_amplitude * amplitude) {
-      ++block;
-      amplitude = cycle.amplitude;
-      interrupted = false;
-    }
-    cycle.block = std::max(block, 0);
-  }
-  return block + 1;
-}
-
-// Keeps the settled part of a block: from the first cycle whose energy repeats its predecessor's, but at most its later
-// half. A cycle alone at its amplitude has no predecessor: it is kept only where the test has nothing else.
-void settle_block(PreparedTest& test, const std::vector<Cycle*>& block) {
-  std::size_t first = block.size() == 1 && test.cycles.size() > 1 ? 1 : 0;
-  for (std::size_t k = 1; k < block.size(); ++k) {
-    const double before = block[k - 1]->measured.dissipated_energy, now = block[k]->measured.dissipated_energy;
-    const double tolerance = std::max(k_settled * std::abs(before), 2.0 * energy_noise(test, *block[k]));
-    first = k;
-    if (std::abs(now - before) <= tolerance) break;
-  }
-  const std::size_t settled = std::max(first, block.size() / 2);
-  const std::size_t enough = block.size() - std::min(block.size(), k_most_cycles);
-  for (std::size_t k = 0; k < block.size(); ++k) {
-    block[k]->used = k >= settled && k >= enough;
-    if (!block[k]->used) block[k]->note = k < settled ? "conditioning" : "later cycles are enough";
-  }
-}
-
-void choose_cycles(PreparedTest& test) {
+void quieten(PreparedTest& test) {
+  test.noise_displacement = noise_level(test.displacement);
+  test.noise_force = noise_level(test.force);
+  test.smooth_force = test.force;
   if (test.cycles.empty()) return;
-  // The first cycle of a ramp creeps from its virgin zero: that is conditioning, no transition.
-  if (test.source->kind == TestKind::cyclic) mark_transitions(test.cycles);
-  test.blocks = number_blocks(test.cycles);
-  if (test.source->discard_cycles) {
-    for (std::size_t k = 0; k < test.cycles.size(); ++k) {
-      Cycle& cycle = test.cycles[k];
-      if (static_cast<int>(k) < *test.source->discard_cycles) cycle.note = "discarded by the rig file";
-      cycle.used = cycle.note.empty();
-    }
-    if (test.cycles_used() == 0) test.unusable = "every cycle is discarded";
-    return;
+  const bool sharp = test.source->kind == TestKind::static_ramp || test.sine_residual_displacement > k_sharp;
+  const auto corners = sharp ? turning_points(test.displacement) : std::vector<std::size_t>{};
+  if (test.noise_displacement > k_smooth_noise * median_step(test.displacement)) {
+    test.displacement = smooth(test.displacement, smoothing_window(test), corners);
   }
-  for (int b = 0; b < test.blocks; ++b) {
-    std::vector<Cycle*> block;
-    for (Cycle& cycle : test.cycles) {
-      if (cycle.block == b && cycle.note.empty()) block.push_back(&cycle);
-    }
-    settle_block(test, block);
+  if (test.noise_force > k_smooth_range * central_range(test.force)) {
+    test.smooth_force = smooth(test.force, smoothing_window(test), corners);
   }
-  if (test.cycles_used() > 0) return;
-  for (Cycle& cycle : test.cycles) {  // every amplitude has one cycle only: there is nothing better
-    if (cycle.note == "conditioning") cycle.note.clear();
-    cycle.used = cycle.note.empty();
+}
+
+// Leaves out what lies long before the first used cycle.
+void forget_early_cycles(PreparedTest& test) {
+  std::size_t first = 0;
+  while (first < test.cycles.size() && !test.cycles[first].used) ++first;
+  if (first == test.cycles.size() || first <= k_history_cycles) return;
+  const std::size_t kept = first - k_history_cycles, begin = test.cycles[kept].span.begin;
+  for (std::vector<double>* channel :
+       {&test.time, &test.displacement, &test.force, &test.smooth_force, &test.temperature}) {
+    if (!channel->empty()) channel->erase(channel->begin(), channel->begin() + static_cast<std::ptrdiff_t>(begin));
   }
+  for (std::size_t k = 0; k < test.cycles.size(); ++k) {
+    CycleSpan& span = test.cycles[k].span;
+    span = k < kept ? CycleSpan{} : CycleSpan{span.begin - begin, span.end - begin};
+  }
+}
+
+// Reads, mends and reduces the record; true = its samples are only counted.
+bool load(PreparedTest& test, const RigRecord& rig, std::vector<std::size_t>& parts,
+          std::vector<AppliedCorrection>& corrections) {
+  const RigTest& source = *test.source;
+  Signals record{source.time, source.displacement, source.force, source.temperature};
+  correct_readings(source, rig, record, corrections);
+  parts = source.time_measured ? parts_of(record.time) : std::vector<std::size_t>{0};
+  mend_clock(record.time, parts);
+  bool counted = false;
+  if (!source.time_measured) {
+    // A reader without clock counts samples, or adds up a ramp's noisy steps: samples are equally spaced in either
+    // case.
+    std::vector<double> even = record.time;
+    const bool is_count = record.time.size() > 1 && record.time.front() == 0.0 && record.time[1] == 1.0;
+    counted = is_count || !restore_even_steps(even);
+    if (counted) std::iota(record.time.begin(), record.time.end(), 0.0);
+  }
+  ReducedRecord reduced = reduce(std::move(record), std::move(parts));
+  parts = std::move(reduced.parts);
+  test.time = std::move(reduced.signals.time);
+  test.displacement = std::move(reduced.signals.displacement);
+  test.force = std::move(reduced.signals.force);
+  test.temperature = std::move(reduced.signals.temperature);
+  return counted;
 }
 
 }  // namespace
@@ -197,9 +235,8 @@ int PreparedTest::cycles_used() const {
 void add_dynamic_stiffness(const PreparedTest& test, const Cycle& cycle, const std::vector<double>& force,
                            LoopMeasures& measures) {
   if (test.source->kind != TestKind::cyclic || cycle.open) return;
-  const double turn = test.time[cycle.span.end] - test.time[cycle.span.begin];
-  const std::complex<double> stiffness = dynamic_stiffness(test.time, test.displacement, force, cycle.span,
-                                                           test.frequency > 0.0 ? test.frequency : 1.0 / turn);
+  const std::complex<double> stiffness =
+      dynamic_stiffness(test.time, test.displacement, force, cycle.span, test.cycle_rate);
   measures.storage_stiffness = stiffness.real();
   measures.loss_stiffness = stiffness.imag();
 }
@@ -214,35 +251,28 @@ double energy_noise(const PreparedTest& test, const Cycle& cycle) {
 }
 
 PreparedTest prepare_test(const RigTest& test, const RigRecord& rig, std::vector<FitWarning>& warnings,
-                          std::vector<AppliedCorrection>& /*corrections*/) {
+                          std::vector<AppliedCorrection>& corrections) {
   PreparedTest prepared;
   prepared.source = &test;
-  prepared.force = test.force;
-  prepared.displacement.resize(test.displacement.size());
-  const double compliance = is_rotation(test.axis) ? 0.0 : rig.rig_compliance;
-  for (std::size_t i = 0; i < test.displacement.size(); ++i) {
-    prepared.displacement[i] = (test.displacement[i] - compliance * test.force[i]) / rig.bushings_in_series;
-  }
-  prepared.noise_displacement = noise_level(prepared.displacement);
-  prepared.noise_force = noise_level(prepared.force);
-  prepared.cycles = cut_cycles(test, prepared.displacement);
-  prepared.smooth_force = prepared.force;
-  if (!prepared.cycles.empty()) {
-    const int window = smoothing_window(samples_per_cycle(prepared));
-    if (prepared.noise_displacement > k_smooth_noise * median_step(prepared.displacement)) {
-      prepared.displacement = smooth(prepared.displacement, window);
-    }
-    if (prepared.noise_force > k_smooth_range * central_range(prepared.force)) {
-      prepared.smooth_force = smooth(prepared.force, window);
-    }
-  }
-  build_time(test, prepared);
-  const bool gap = find_time_gap(prepared, warnings);
-  if (!gap) find_frequency(prepared);
+  std::vector<std::size_t> parts;
+  const bool counted = load(prepared, rig, parts, corrections);
+  cut_cycles(prepared, parts);
+  for (Cycle& cycle : prepared.cycles) measure_extent(cycle, prepared.displacement);
+  scale_clock(prepared, counted);
+  find_frequency(prepared);
+  mark_jumps(prepared, warnings, corrections);
+  correct_rig(prepared, rig, corrections);
+  quieten(prepared);
+  correct_displacement(prepared, corrections);
+  for (Cycle& cycle : prepared.cycles) measure_extent(cycle, prepared.displacement);
+  const bool whole = prepared.unusable.empty();
+  if (whole) sort_into_blocks(prepared);
+  if (whole) correct_conditioning(prepared, corrections);
   for (Cycle& cycle : prepared.cycles) measure_cycle(cycle, prepared);
-  if (gap) return prepared;
+  if (!whole) return prepared;
   choose_cycles(prepared);
   diagnose(prepared, rig, warnings);
+  forget_early_cycles(prepared);
   return prepared;
 }
 

@@ -12,6 +12,7 @@ namespace grouser {
 struct Cycle {
   CycleSpan span;
   bool open = false;  ///< encloses no area: tells stiffness, not dissipation
+  int part = 0;       ///< of a record that is cut at jumps, counted from 0
   int block = 0;      ///< amplitude block within the test, counted from 0
   bool used = false;
   std::string note;        ///< why not used
@@ -22,15 +23,18 @@ struct Cycle {
   [[nodiscard]] bool followed() const { return span.end > span.begin; }
 };
 
-/// A test as the fit sees it: displacement of one bushing without the rig's share, cycles cut and sorted.
+/// A test as the fit sees it: displacement of one bushing without the rig's share, about 400 samples a cycle at most,
+/// cycles cut and sorted. The record begins at most ten cycles before the first used one.
 struct PreparedTest {
   const RigTest* source = nullptr;
-  std::vector<double> time;          ///< s, rounding of the file's column removed
+  std::vector<double> time;          ///< s, strictly rising; rounding of the file's column removed
   std::vector<double> displacement;  ///< m or rad of one bushing, smoothed when noise would enter the histories
-  std::vector<double> force;         ///< N or N m as measured
+  std::vector<double> force;         ///< N or N m of the specimen
+  std::vector<double> temperature;   ///< K; may be empty
   std::vector<double> smooth_force;  ///< for force ranges only
   double noise_displacement = 0.0, noise_force = 0.0;
   bool rate_known = false;  ///< false: only the order of the samples is known
+  double cycle_rate = 0.0;  ///< cycles per unit of `time`, fitted: per sample of the file where the rate is unknown
   double frequency = 0.0;   ///< Hz; cycles a second for ramps; 0 where the rate is unknown
   double sine_residual_displacement = 0.0, sine_residual_force = 0.0;  ///< see SineFit; 0 for ramps
   std::vector<Cycle> cycles;
