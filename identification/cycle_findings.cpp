@@ -137,11 +137,10 @@ void find_conditioning(const PreparedTest& test, std::vector<FitWarning>& warnin
     worst_range = first->measured.effective_stiffness * used / stiffness - 1.0;
   }
   if (worst <= k_conditioned) return;
-  warnings.push_back(
-      {"conditioning_cycles", test.source->name,
-       fmt::format("the first cycle encloses {:.0f} % more area and is {:.0f} % stiffer than the used ones; "
-                   "{} conditioning cycles are not used",
-                   100.0 * worst, 100.0 * worst_range, dropped)});
+  warnings.push_back({"conditioning_cycles", test.source->name,
+                      fmt::format("loop area of the first cycle {:+.0f} %, stiffness {:+.0f} % against the used ones; "
+                                  "{} conditioning cycles are not used",
+                                  100.0 * worst, 100.0 * worst_range, dropped)});
 }
 
 struct Trend {

@@ -11,6 +11,8 @@
 #include <thread>
 
 #include "identification/axis_fit.h"
+#include "identification/corrections.h"
+#include "identification/cycle_findings.h"
 #include "identification/evaluate_fit.h"
 #include "identification/prepared_test.h"
 #include "identification/uncertainty.h"
@@ -154,6 +156,8 @@ IdentifyResult identify(const RigRecord& rig, const IdentifyOptions& options, co
   for (const RigTest& test : rig.tests) {
     tests.push_back(prepare_test(test, rig, result.fit.warnings, result.fit.corrections));
   }
+  gather_common_findings(result.fit.warnings);
+  for (AppliedCorrection& one : campaign_corrections(tests, rig)) result.fit.corrections.push_back(std::move(one));
   require_usable_data(rig, tests);
 
   const AxisResults axes = identify_axes(tests, options.threads, progress);
