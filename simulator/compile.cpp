@@ -98,6 +98,20 @@ CompiledAxis compile_axis(const AxisLaw& law, int& stop_row, int& branch_row) {
   return axis;
 }
 
+void compile_bushing(const Bushing& bushing, CompiledTrack& track) {
+  int stop_row = 0, branch_row = 0;
+  for (std::size_t a = 0; a < k_num_axes; ++a) {
+    track.bushing[a] = compile_axis(bushing.axes[a], stop_row, branch_row);
+  }
+}
+
+/// Rows that the rubber of this track needs in the arrays of a System.
+void reserve_rubber(const CompiledTrack& track, System& system) {
+  const CompiledAxis& last = track.bushing.back();
+  system.num_stop_rows = std::max(system.num_stop_rows, last.first_stop + static_cast<int>(last.stops.size()));
+  system.num_branch_rows = std::max(system.num_branch_rows, last.first_branch + static_cast<int>(last.branches.size()));
+}
+
 CompiledTrack compile_track(const RunningGear& gear, Side side, const Bushing& bushing, int offset) {
   const Track& from = gear.track;
   CompiledTrack track;
@@ -109,11 +123,7 @@ CompiledTrack compile_track(const RunningGear& gear, Side side, const Bushing& b
   track.inertia = from.link.inertia;
   track.bushings_in_series = from.connection == Connection::double_pin ? 2 : 1;
   track.free_twist = -from.pre_torsion;  // wrapping inward turns link i+1 by a negative angle about +y
-  int stop_row = 0, branch_row = 0;
-  for (int a = 0; a < k_num_axes; ++a) {
-    track.bushing[static_cast<std::size_t>(a)] =
-        compile_axis(bushing.axes[static_cast<std::size_t>(a)], stop_row, branch_row);
-  }
+  compile_bushing(bushing, track);
   track.wheel_path_height = from.wheel_path_height;
   track.ground_depth = from.ground_depth;
   track.half_width = 0.5 * from.shoe_width;
@@ -272,14 +282,22 @@ System compile(const Scenario& scenario) {
     system.link_array_length += padded_length(track.num_links);
     add_running_gear(system, gear, side);
     mass += track.num_links * track.mass;
-    const CompiledAxis& last = track.bushing.back();
-    system.num_stop_rows = std::max(system.num_stop_rows, last.first_stop + static_cast<int>(last.stops.size()));
-    system.num_branch_rows =
-        std::max(system.num_branch_rows, last.first_branch + static_cast<int>(last.branches.size()));
+    reserve_rubber(track, system);
     system.num_ground_rows = std::max(system.num_ground_rows, static_cast<int>(track.ground_points.size()));
   }
   for (const TreeBody& body : system.tree.bodies) mass += body.mass;
   system.weight = mass * scenario.gravity;
+  return system;
+}
+
+System compile_joint(const Bushing& bushing) {
+  System system;
+  system.tracks.back().side = Side::right;
+  CompiledTrack& track = system.tracks.front();
+  track.num_links = 1;  // one joint, from link 0 to link 1
+  compile_bushing(bushing, track);
+  reserve_rubber(track, system);
+  system.link_array_length = padded_length(track.num_links);
   return system;
 }
 

@@ -133,6 +133,10 @@ struct System {
 
 [[nodiscard]] System compile(const Scenario& scenario);
 
+/// Two links and the one joint between them, both link centres at the pin, nothing else: for bushing_forces alone.
+/// Every axis needs a law.
+[[nodiscard]] System compile_joint(const Bushing& bushing);
+
 /// Rate coefficient a [s/m] of f = k delta^n (1 + a delta_dot) with restitution e at impact speed v (exact for any n,
 /// k, m): (1 + e) a v = ln[(1 + a v) / (1 - e a v)]   (D 5.1).
 [[nodiscard]] double rate_coefficient(double restitution, double speed);
