@@ -1,4 +1,5 @@
 #pragma once
+#include <Eigen/Core>
 #include <cmath>
 #include <vector>
 
@@ -8,53 +9,73 @@
 namespace grouser {
 
 /// States of all elements of a dictionary at unit stiffness, advanced by the very functions that the simulator calls,
-/// with their derivatives by log(yield) and log(relaxation time).
+/// and, when asked for, their derivatives by the logarithms of the nonlinear parameters.
 class ElementHistory {
  public:
-  explicit ElementHistory(const Dictionary& dictionary)
+  explicit ElementHistory(const Dictionary& dictionary, bool with_derivatives = true)
       : dictionary_(&dictionary),
-        value_(static_cast<std::size_t>(dictionary.num_nonlinear())),
-        derivative_(value_.size()),
-        steps_(dictionary.relaxation_times.size()),
-        step_derivatives_(steps_.size()) {}
+        with_derivatives_(with_derivatives),
+        value_(Eigen::ArrayXd::Zero(dictionary.num_elements())),
+        derivative_(Eigen::ArrayXd::Zero(dictionary.num_elements())),
+        by_growth_(Eigen::ArrayXd::Zero(dictionary.yield_growth > 0.0 ? num_stops() : 0)),
+        decay_(dictionary.relaxation_times.size()),
+        gain_(decay_.size()),
+        decay_derivative_(decay_.size()),
+        gain_derivative_(decay_.size()) {}
 
-  /// Displacement grew by dx over the time h.
-  void advance(double dx, double h) {
-    const std::vector<double>& yields = dictionary_->yields;
-    for (std::size_t j = 0; j < yields.size(); ++j) {
-      const double trial = value_[j] + dx;
-      value_[j] = advance_stop(value_[j], dx, yields[j]);
-      if (trial > yields[j]) derivative_[j] = yields[j];
-      if (trial < -yields[j]) derivative_[j] = -yields[j];
-    }
+  /// The displacement goes to `to` over the time h.
+  void advance(double from, double to, double h) {
+    const double dx = to - from;
+    advance_stops(to, dx);
     if (std::abs(h - h_) > 1e-9 * h) set_step(h);
-    for (std::size_t k = 0; k < steps_.size(); ++k) {
-      double& force = value_[yields.size() + k];
-      double& slope = derivative_[yields.size() + k];
-      slope = steps_[k].decay * slope + step_derivatives_[k].decay * force + step_derivatives_[k].gain * dx;
-      force = steps_[k].decay * force + steps_[k].gain * dx;
+    auto force = value_.tail(decay_.size());
+    if (with_derivatives_) {
+      auto slope = derivative_.tail(decay_.size());
+      slope = decay_ * slope + decay_derivative_ * force + gain_derivative_ * dx;
+    }
+    force = decay_ * force + gain_ * dx;
+  }
+
+  /// m or rad for stops, then N / (N/m) for branches.
+  [[nodiscard]] const Eigen::ArrayXd& value() const { return value_; }
+  /// By log(yield) or log(relaxation time) of the element itself.
+  [[nodiscard]] const Eigen::ArrayXd& derivative() const { return derivative_; }
+  /// Of the stops by log(yield growth); empty when the yields do not grow.
+  [[nodiscard]] const Eigen::ArrayXd& by_growth() const { return by_growth_; }
+
+ private:
+  [[nodiscard]] Eigen::Index num_stops() const { return static_cast<Eigen::Index>(dictionary_->yields.size()); }
+
+  void advance_stops(double to, double dx) {
+    const double* yields = dictionary_->yields.data();
+    const double scale = yield_scale(dictionary_->yield_growth, to);
+    const double share = 1.0 - 1.0 / scale;  // d log(grown yield) / d log(growth)
+    for (Eigen::Index j = 0; j < num_stops(); ++j) {
+      const double trial = value_[j] + dx, next = advance_stop(value_[j], dx, yields[j] * scale);
+      value_[j] = next;
+      // a slipping stop carries +- its yield, a sticking one keeps what it had
+      if (with_derivatives_) derivative_[j] = next == trial ? derivative_[j] : next;
+      if (by_growth_.size() > 0) by_growth_[j] = next == trial ? by_growth_[j] : share * next;
     }
   }
 
-  [[nodiscard]] const std::vector<double>& value() const { return value_; }
-  [[nodiscard]] const std::vector<double>& derivative() const { return derivative_; }
-
- private:
   void set_step(double h) {
     h_ = h;
-    for (std::size_t k = 0; k < steps_.size(); ++k) {
-      const double tau = dictionary_->relaxation_times[k], ratio = h / tau;
-      steps_[k] = maxwell_step({1.0, tau}, h);
-      const double decay = steps_[k].decay;
-      step_derivatives_[k].decay = ratio * decay;
+    for (Eigen::Index k = 0; k < decay_.size(); ++k) {
+      const double tau = dictionary_->relaxation_times[static_cast<std::size_t>(k)], ratio = h / tau;
+      const MaxwellStep step = maxwell_step({1.0, tau}, h);
+      decay_[k] = step.decay;
+      gain_[k] = step.gain;
+      decay_derivative_[k] = ratio * step.decay;
       // (1 - e^-u - u e^-u) / u cancels for small u; its series is u/2 - u^2/3
-      step_derivatives_[k].gain = ratio > 1e-4 ? (1.0 - decay) / ratio - decay : ratio * (0.5 - ratio / 3.0);
+      gain_derivative_[k] = ratio > 1e-4 ? (1.0 - step.decay) / ratio - step.decay : ratio * (0.5 - ratio / 3.0);
     }
   }
 
   const Dictionary* dictionary_;
-  std::vector<double> value_, derivative_;
-  std::vector<MaxwellStep> steps_, step_derivatives_;
+  bool with_derivatives_;
+  Eigen::ArrayXd value_, derivative_, by_growth_;
+  Eigen::ArrayXd decay_, gain_, decay_derivative_, gain_derivative_;
   double h_ = -1.0;
 };
 

@@ -137,8 +137,9 @@ std::vector<double> replay(const AxisLaw& law, const std::vector<double>& time,
   for (std::size_t i = 0; i < displacement.size(); ++i) {
     const double dx = i > 0 ? displacement[i] - displacement[i - 1] : 0.0, h = i > 0 ? time[i] - time[i - 1] : 0.0;
     double total = evaluate(law.spring, displacement[i]).force + (h > 0.0 ? law.viscous * dx / h : 0.0);
+    const double grown = yield_scale(law.yield_growth, displacement[i]);
     for (std::size_t j = 0; j < law.stops.size(); ++j) {
-      deflection[j] = advance_stop(deflection[j], dx, law.stops[j].yield);
+      deflection[j] = advance_stop(deflection[j], dx, law.stops[j].yield * grown);
       total += law.stops[j].stiffness * deflection[j];
     }
     for (std::size_t k = 0; k < law.branches.size(); ++k) {

@@ -14,21 +14,34 @@ Eigen::VectorXd MonotoneBasis::untied(const Eigen::VectorXd& increments) const {
   return full;
 }
 
-void MonotoneBasis::evaluate(double x, double* row) const {
+MonotoneBasis::Local MonotoneBasis::local(double x) const {
   const double position = std::clamp((x - low_) / width_, 0.0, static_cast<double>(intervals_));
   const int interval = std::min(static_cast<int>(position), intervals_ - 1);
   const double u = position - interval, v = 1.0 - u;
-  const double b1 = (4.0 - 6.0 * u * u + 3.0 * u * u * u) / 6.0;  // second, third, fourth B-spline of the interval
-  const double b2 = (4.0 - 6.0 * v * v + 3.0 * v * v * v) / 6.0;
-  const double b3 = u * u * u / 6.0;
-  const auto value = [&](int j) {
-    if (j < interval) return 1.0;
-    return j == interval ? b1 + b2 + b3 : (j == interval + 1 ? b2 + b3 : (j == interval + 2 ? b3 : 0.0));
-  };
-  for (int j = 0; j < size(); ++j) {
-    const int mirrored = full_size() - 1 - j;
-    row[j] = value(j) + (symmetry_ == SpringSymmetry::odd && mirrored != j ? value(mirrored) : 0.0);
+  return {interval,
+          {v * v * v / 6.0, (4.0 - 6.0 * u * u + 3.0 * u * u * u) / 6.0, (4.0 - 6.0 * v * v + 3.0 * v * v * v) / 6.0,
+           u * u * u / 6.0}};
+}
+
+Eigen::MatrixXd MonotoneBasis::of_increments(const Eigen::MatrixXd& of_bsplines, int pivot) const {
+  // I_j is the sum of all B-splines after number j, and all together are 1; an odd basis adds the mirrored one.
+  Eigen::MatrixXd full = of_bsplines.bottomRows(full_size());
+  for (Eigen::Index j = full.rows() - 2; j >= pivot; --j) full.row(j) += full.row(j + 1);
+  for (Eigen::Index j = 0; j < pivot; ++j) {
+    full.row(j) = -of_bsplines.row(j);
+    if (j > 0) full.row(j) += full.row(j - 1);
   }
+  for (Eigen::Index j = 0; symmetry_ == SpringSymmetry::odd && j < full.rows() / 2; ++j) {
+    full.row(j) += full.row(full.rows() - 1 - j);
+  }
+  return full.topRows(size());
+}
+
+void MonotoneBasis::evaluate(double x, double* row) const {
+  const Local here = local(x);
+  Eigen::VectorXd bsplines = Eigen::VectorXd::Zero(num_bsplines());
+  for (int k = 0; k < 4; ++k) bsplines(here.first + k) = here.value[static_cast<std::size_t>(k)];
+  Eigen::Map<Eigen::VectorXd>(row, size()) = of_increments(bsplines);
 }
 
 SpringSpline MonotoneBasis::curve(const Eigen::VectorXd& tied) const {

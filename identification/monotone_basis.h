@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <array>
 
 #include "model/spline.h"
 
@@ -20,6 +21,21 @@ class MonotoneBasis {
   [[nodiscard]] int size() const { return symmetry_ == SpringSymmetry::odd ? (full_size() + 1) / 2 : full_size(); }
   [[nodiscard]] double low() const { return low_; }
   [[nodiscard]] double high() const { return low_ + intervals_ * width_; }
+  [[nodiscard]] int intervals() const { return intervals_; }
+
+  /// The cubic B-splines that do not vanish at a point: numbers first .. first + 3 of num_bsplines().
+  struct Local {
+    int first = 0;
+    std::array<double, 4> value{};
+  };
+  [[nodiscard]] int num_bsplines() const { return intervals_ + 3; }
+  /// B-splines at x (clamped to the domain): 4 numbers a sample where the increments need size().
+  [[nodiscard]] Local local(double x) const;
+  /// Turns sums over the B-splines (num_bsplines() rows) into sums over the increments' curves I_j (size() rows). I_j
+  /// with j < `pivot` are shifted down by 1, a constant that no test can see: a curve that has risen before the data
+  /// begin is then exactly 0 and not 1 - round-off.
+  [[nodiscard]] Eigen::MatrixXd of_increments(const Eigen::MatrixXd& of_bsplines, int pivot = 0) const;
+
   /// Values of all I_j at x (clamped to the domain) into row[0 .. size()).
   void evaluate(double x, double* row) const;
   /// The same curve as Hermite data at the knots (exact), shifted so that the force at displacement 0 is 0.

@@ -45,6 +45,21 @@ void settle(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs, std::vector
   }
 }
 
+// The start's optimum, without those of it that want to be negative.
+void settle_start(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs, std::vector<int>& passive,
+                  Eigen::VectorXd& x) {
+  for (bool all_positive = false; !all_positive && !passive.empty();) {
+    const Eigen::VectorXd target = solve_on(gram, rhs, passive);
+    std::vector<int> kept;
+    for (std::size_t i = 0; i < passive.size(); ++i) {
+      if (target(static_cast<Eigen::Index>(i)) > 0.0) kept.push_back(passive[i]);
+    }
+    all_positive = kept.size() == passive.size();
+    passive = std::move(kept);
+    if (all_positive) x(passive) = target;
+  }
+}
+
 }  // namespace
 
 double kkt_residual(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs, double squared_b,
@@ -59,7 +74,7 @@ double kkt_residual(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs, dou
   return worst;
 }
 
-NnlsSolution solve_nnls(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs) {
+NnlsSolution solve_nnls(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs, const std::vector<int>& start) {
   const Eigen::Index n = rhs.size();
   Eigen::VectorXd length(n);
   for (Eigen::Index j = 0; j < n; ++j) length(j) = gram(j, j) > 0.0 ? std::sqrt(gram(j, j)) : 0.0;
@@ -71,6 +86,10 @@ NnlsSolution solve_nnls(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs)
   NnlsSolution solution;
   Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
   std::vector<int> passive;
+  for (const int j : start) {
+    if (length(j) > 0.0) passive.push_back(j);
+  }
+  settle_start(scaled, target, passive, x);
   std::vector<char> barred(static_cast<std::size_t>(n), 0);  // entered and left at once: round-off, not descent
   for (const int limit = 10 * static_cast<int>(n) + 100; solution.iterations < limit; ++solution.iterations) {
     const Eigen::VectorXd descent = target - scaled * x;

@@ -14,8 +14,10 @@ struct NnlsSolution {
 
 /// Lawson & Hanson (1974, ch. 23) on normal equations: gram = A'A (symmetric, positive semidefinite), rhs = A'b.
 /// The columns are scaled to unit length inside; a column of zero length keeps x = 0.
+/// `start`: indices that are expected to be free, as those of a similar problem are; only the effort depends on it.
 /// Throws NumericalError when the active set does not settle or the optimum misses KKT by more than 1e-6.
-[[nodiscard]] NnlsSolution solve_nnls(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs);
+[[nodiscard]] NnlsSolution solve_nnls(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs,
+                                      const std::vector<int>& start = {});
 
 /// Largest violation of the optimality conditions at x: |gradient| where x > 0, descent direction where x = 0. Each
 /// component is relative to the lengths of its column and of b (squared_b = b'b), so 1 means "parallel to the data".

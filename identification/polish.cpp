@@ -5,184 +5,190 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
-#include "identification/axis_fit.h"
 #include "identification/nnls.h"
 #include "model/errors.h"
 
 namespace grouser {
 namespace {
 
-constexpr int k_max_iterations = 200;
-constexpr double k_function_tolerance = 1e-8;  // relative cost; far below the cost of a 1 % change of any element
 constexpr double k_parameter_tolerance = 1e-7;
-constexpr double k_factor_ridge = 1e-13;
+constexpr double k_at_bound = 1e-9;  // distance in the logarithm
 
 std::vector<double> log_parameters(const Dictionary& dictionary) {
   std::vector<double> result;
   for (const double yield : dictionary.yields) result.push_back(std::log(yield));
   for (const double time : dictionary.relaxation_times) result.push_back(std::log(time));
+  if (dictionary.yield_growth > 0.0) result.push_back(std::log(dictionary.yield_growth));
   return result;
 }
 
-Dictionary with_parameters(const Dictionary& dictionary, const double* logs) {
+Dictionary with_parameters(const Dictionary& dictionary, const std::vector<double>& logs) {
   Dictionary moved = dictionary;
-  for (double& yield : moved.yields) yield = std::exp(*logs++);
-  for (double& time : moved.relaxation_times) time = std::exp(*logs++);
+  auto log = logs.begin();
+  for (double& yield : moved.yields) yield = std::exp(*log++);
+  for (double& time : moved.relaxation_times) time = std::exp(*log++);
+  if (moved.yield_growth > 0.0) moved.yield_growth = std::exp(*log++);
   return moved;
+}
+
+struct Range {
+  double low = 0.0, high = 0.0;
+};
+
+// Of the logarithms, in their order.
+std::vector<Range> ranges(const Dictionary& dictionary, const PolishBounds& bounds) {
+  std::vector<Range> result;
+  result.resize(dictionary.yields.size(), {std::log(bounds.yield_low), std::log(bounds.yield_high)});
+  result.resize(result.size() + dictionary.relaxation_times.size(),
+                {std::log(bounds.time_low), std::log(bounds.time_high)});
+  if (dictionary.yield_growth > 0.0) result.push_back({std::log(bounds.growth_low), std::log(bounds.growth_high)});
+  return result;
 }
 
 // Square root of the moments: residuals of the whole campaign, rotated into as many rows as there are columns. The
 // rotation differs from point to point, which least squares does not see: cost, gradient and Gauss-Newton matrix are
-// those of the samples.
+// those of the samples. Pivoted, because two elements may meet at a bound.
 Eigen::MatrixXd square_root(const Eigen::MatrixXd& moments) {
   const Eigen::VectorXd length = moments.diagonal().cwiseMax(1e-300).cwiseSqrt();
-  Eigen::MatrixXd scaled = length.cwiseInverse().asDiagonal() * moments * length.cwiseInverse().asDiagonal();
-  scaled.diagonal().array() += k_factor_ridge;
-  const Eigen::LLT<Eigen::MatrixXd> factor(scaled);
-  if (factor.info() != Eigen::Success)
-    throw NumericalError("the normal equations of the fit are not positive definite");
-  return Eigen::MatrixXd(factor.matrixU()) * length.asDiagonal();
+  const Eigen::LDLT<Eigen::MatrixXd> factor(length.cwiseInverse().asDiagonal() * moments *
+                                            length.cwiseInverse().asDiagonal());
+  Eigen::MatrixXd root = factor.transpositionsP().transpose() * Eigen::MatrixXd(factor.matrixL());
+  root *= factor.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  return root.transpose() * length.asDiagonal();
 }
-
-// A dictionary's campaign in compressed form; columns [linear | derivative | force].
-struct Compressed {
-  Eigen::MatrixXd moments, root;
-  Compressed(const AxisData& data, const Dictionary& dictionary)
-      : moments(weighted_sum(block_moments(data, dictionary, true), {}, dictionary)), root(square_root(moments)) {}
-
-  [[nodiscard]] Eigen::VectorXd residual(const Eigen::VectorXd& c) const {
-    return root.rightCols(1) - root.leftCols(c.size()) * c;
-  }
-  // d residual / d log parameter for coefficients c, of which the last num_nonlinear belong to the elements
-  [[nodiscard]] Eigen::MatrixXd nonlinear_jacobian(const Eigen::VectorXd& c, int num_nonlinear) const {
-    return -root.middleCols(c.size(), num_nonlinear) * c.tail(num_nonlinear).asDiagonal();
-  }
-};
 
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+// The campaign seen through one dictionary, with the coefficients that fit it best.
+struct Projection {
+  std::vector<double> logs;
+  Dictionary dictionary;
+  std::vector<BlockMoments> blocks;
+  Eigen::MatrixXd moments;  // sum of all blocks, regularised
+  NnlsSolution inner;
+
+  Projection(const AxisData& data, Dictionary d, std::vector<double> at, const std::vector<int>& start)
+      : logs(std::move(at)), dictionary(std::move(d)), blocks(split_moments(data, dictionary, true)) {
+    moments = sum_of(blocks);
+    regularise(moments, dictionary);
+    const int n = dictionary.num_linear();
+    inner = solve_nnls(moments.topLeftCorner(n, n), moments.col(moments.cols() - 1).head(n), start);
+  }
+
+  // Derivative of the residual by the logarithms, without what the free coefficients take up at once (Kaufman).
+  // `root`: square_root(moments).
+  [[nodiscard]] Eigen::MatrixXd jacobian(const Eigen::MatrixXd& root) const {
+    const Eigen::MatrixXd weights = derivative_weights(dictionary, inner.x);
+    const Eigen::MatrixXd direct = -root.middleCols(inner.x.size(), weights.rows()) * weights;
+    const Eigen::MatrixXd columns = root(Eigen::all, inner.free);
+    const Eigen::MatrixXd normal = moments(inner.free, inner.free);
+    return direct - columns * normal.ldlt().solve(columns.transpose() * direct);
+  }
+  [[nodiscard]] Eigen::VectorXd residual(const Eigen::MatrixXd& root) const {
+    return root.rightCols(1) - root.leftCols(inner.x.size()) * inner.x;
+  }
+};
+
+// Ceres asks for the cost of a trial point first and for its derivatives when it has taken it: one pass serves both.
 class ProjectedCost : public ceres::CostFunction {
  public:
-  ProjectedCost(const AxisData& data, const Dictionary& dictionary) : data_(&data), dictionary_(&dictionary) {
-    set_num_residuals(dictionary.num_linear() + dictionary.num_nonlinear() + 1);
-    mutable_parameter_block_sizes()->push_back(dictionary.num_nonlinear());
+  ProjectedCost(const AxisData& data, const Dictionary& start) : data_(&data), start_(&start) {
+    const Eigen::Index derivatives = derivative_weights(start, Eigen::VectorXd::Zero(start.num_linear())).rows();
+    set_num_residuals(start.num_linear() + static_cast<int>(derivatives) + 1);
+    mutable_parameter_block_sizes()->push_back(start.num_nonlinear());
   }
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
-    const Dictionary dictionary = with_parameters(*dictionary_, parameters[0]);
-    const int n = dictionary.num_linear(), s = dictionary.num_nonlinear();
-    const Compressed problem(*data_, dictionary);
-    const NnlsSolution inner = solve_nnls(problem.moments.topLeftCorner(n, n), problem.moments.col(n + s).head(n));
-    Eigen::Map<Eigen::VectorXd>(residuals, num_residuals()) = problem.residual(inner.x);
-    if (jacobians == nullptr || jacobians[0] == nullptr) return true;
-    const Eigen::MatrixXd direct = problem.nonlinear_jacobian(inner.x, s);
-    const Eigen::MatrixXd free_columns = problem.root(Eigen::all, inner.free);
-    const Eigen::MatrixXd normal = problem.moments(inner.free, inner.free);
-    Eigen::Map<RowMatrix>(jacobians[0], num_residuals(), s) =
-        direct - free_columns * normal.ldlt().solve(free_columns.transpose() * direct);
-    return true;
-  }
-
- private:
-  const AxisData* data_;
-  const Dictionary* dictionary_;
-};
-
-// Unknowns: free coefficients relative to their start, then the logarithms.
-class JointCost : public ceres::CostFunction {
- public:
-  JointCost(const AxisData& data, const Dictionary& dictionary, const Eigen::VectorXd& start, std::vector<int> free)
-      : data_(&data), dictionary_(&dictionary), start_(&start), free_(std::move(free)) {
-    set_num_residuals(dictionary.num_linear() + dictionary.num_nonlinear() + 1);
-    mutable_parameter_block_sizes()->push_back(static_cast<int>(free_.size()));
-    if (dictionary.num_nonlinear() > 0) mutable_parameter_block_sizes()->push_back(dictionary.num_nonlinear());
-  }
-
-  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
-    const int s = dictionary_->num_nonlinear();
-    const Dictionary dictionary = s > 0 ? with_parameters(*dictionary_, parameters[1]) : *dictionary_;
-    const Compressed problem(*data_, dictionary);
-    Eigen::VectorXd c = Eigen::VectorXd::Zero(start_->size());
-    for (std::size_t i = 0; i < free_.size(); ++i) c(free_[i]) = parameters[0][i] * (*start_)(free_[i]);
-    Eigen::Map<Eigen::VectorXd>(residuals, num_residuals()) = problem.residual(c);
-    if (jacobians == nullptr) return true;
-    if (jacobians[0] != nullptr) {
-      const Eigen::VectorXd scale = (*start_)(free_);
-      Eigen::Map<RowMatrix>(jacobians[0], num_residuals(), static_cast<Eigen::Index>(free_.size())) =
-          -problem.root(Eigen::all, free_) * scale.asDiagonal();
-    }
-    if (s > 0 && jacobians[1] != nullptr) {
-      Eigen::Map<RowMatrix>(jacobians[1], num_residuals(), s) = problem.nonlinear_jacobian(c, s);
+    const Projection& here = at({parameters[0], parameters[0] + start_->num_nonlinear()});
+    const Eigen::MatrixXd root = square_root(here.moments);
+    Eigen::Map<Eigen::VectorXd>(residuals, num_residuals()) = here.residual(root);
+    if (jacobians != nullptr && jacobians[0] != nullptr) {
+      Eigen::Map<RowMatrix>(jacobians[0], num_residuals(), start_->num_nonlinear()) = here.jacobian(root);
     }
     return true;
   }
 
+  [[nodiscard]] const Projection& at(const std::vector<double>& logs) const {
+    if (!last_ || last_->logs != logs) {
+      const std::vector<int> start = last_ ? last_->inner.free : std::vector<int>{};
+      last_ = std::make_unique<Projection>(*data_, with_parameters(*start_, logs), logs, start);
+    }
+    return *last_;
+  }
+
  private:
   const AxisData* data_;
-  const Dictionary* dictionary_;
-  const Eigen::VectorXd* start_;
-  std::vector<int> free_;
+  const Dictionary* start_;
+  mutable std::unique_ptr<Projection> last_;
 };
 
-void set_bounds(ceres::Problem& problem, std::vector<double>& logs, const Dictionary& dictionary,
-                const PolishBounds& bounds) {
-  const std::size_t stops = dictionary.yields.size();
+// Ceres' outcome; `logs` is moved to the optimum.
+ceres::Solver::Summary minimise(ProjectedCost& cost, const std::vector<Range>& bounds, const PolishOptions& options,
+                                std::vector<double>& logs) {
+  ceres::Problem::Options ownership;
+  ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem problem(ownership);
+  problem.AddResidualBlock(&cost, nullptr, logs.data());
   for (std::size_t i = 0; i < logs.size(); ++i) {
-    const double low = std::log(i < stops ? bounds.yield_low : bounds.time_low);
-    const double high = std::log(i < stops ? bounds.yield_high : bounds.time_high);
-    logs[i] = std::clamp(logs[i], low, high);
-    problem.SetParameterLowerBound(logs.data(), static_cast<int>(i), low);
-    problem.SetParameterUpperBound(logs.data(), static_cast<int>(i), high);
+    logs[i] = std::clamp(logs[i], bounds[i].low, bounds[i].high);
+    problem.SetParameterLowerBound(logs.data(), static_cast<int>(i), bounds[i].low);
+    problem.SetParameterUpperBound(logs.data(), static_cast<int>(i), bounds[i].high);
   }
+  ceres::Solver::Options solver;
+  solver.max_num_iterations = options.max_iterations;
+  solver.function_tolerance = options.function_tolerance;
+  solver.parameter_tolerance = k_parameter_tolerance;
+  solver.linear_solver_type = ceres::DENSE_QR;
+  solver.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver, &problem, &summary);
+  return summary;
 }
 
-SolverSummary run(ceres::Problem& problem) {
-  ceres::Solver::Options options;
-  options.max_num_iterations = k_max_iterations;
-  options.function_tolerance = k_function_tolerance;
-  options.parameter_tolerance = k_parameter_tolerance;
-  options.linear_solver_type = ceres::DENSE_QR;
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  if (summary.termination_type != ceres::CONVERGENCE)
-    throw NumericalError("the fit did not converge: " + summary.message);
-  return {ceres::TerminationTypeToString(summary.termination_type), static_cast<int>(summary.iterations.size()),
-          summary.initial_cost, summary.final_cost, 0.0};
+double largest_gradient(const Projection& here, const std::vector<Range>& bounds) {
+  const Eigen::MatrixXd root = square_root(here.moments);
+  const Eigen::MatrixXd jacobian = here.jacobian(root);
+  const Eigen::VectorXd residual = here.residual(root), gradient = jacobian.transpose() * residual;
+  double worst = 0.0;
+  for (std::size_t i = 0; i < bounds.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    const bool held_low = here.logs[i] <= bounds[i].low + k_at_bound && gradient(at) > 0.0;
+    const bool held_high = here.logs[i] >= bounds[i].high - k_at_bound && gradient(at) < 0.0;
+    const double length = jacobian.col(at).norm();
+    if (held_low || held_high || !(length > 0.0)) continue;
+    worst = std::max(worst, std::abs(gradient(at)) / (length * residual.norm()));
+  }
+  return worst;
 }
 
 }  // namespace
 
-SolverSummary refine_nonlinear(const AxisData& data, const PolishBounds& bounds, Dictionary& dictionary) {
-  if (dictionary.num_nonlinear() == 0) return {"CONVERGENCE", 0, 0.0, 0.0, 0.0};
-  std::vector<double> logs = log_parameters(dictionary);
-  ceres::Problem problem;
-  problem.AddResidualBlock(new ProjectedCost(data, dictionary), nullptr, logs.data());
-  set_bounds(problem, logs, dictionary, bounds);
-  SolverSummary summary = run(problem);
-  dictionary = with_parameters(dictionary, logs.data());
-  return summary;
-}
-
-SolverSummary polish_jointly(const AxisData& data, const PolishBounds& bounds, Dictionary& dictionary,
-                             Eigen::VectorXd& coefficients) {
-  std::vector<int> free;
-  for (int j = 0; j < coefficients.size(); ++j) {
-    if (coefficients(j) > 0.0) free.push_back(j);
+PolishedLaw polish(const AxisData& data, const PolishBounds& bounds, const Dictionary& start,
+                   const PolishOptions& options) {
+  ProjectedCost cost(data, start);
+  std::vector<double> logs = log_parameters(start);
+  const std::vector<Range> limits = ranges(start, bounds);
+  PolishedLaw result{start, {}, {}, {}, {"CONVERGENCE", 0, 0.0, 0.0, 0.0}, 0.0, true};
+  if (!logs.empty()) {
+    const ceres::Solver::Summary summary = minimise(cost, limits, options, logs);
+    result.converged = summary.termination_type == ceres::CONVERGENCE;
+    result.summary = {ceres::TerminationTypeToString(summary.termination_type),
+                      static_cast<int>(summary.iterations.size()), summary.initial_cost, summary.final_cost, 0.0};
   }
-  std::vector<double> relative(free.size(), 1.0), logs = log_parameters(dictionary);
-  std::vector<double*> unknowns{relative.data()};
-  if (!logs.empty()) unknowns.push_back(logs.data());
-  ceres::Problem problem;
-  problem.AddResidualBlock(new JointCost(data, dictionary, coefficients, free), nullptr, unknowns);
-  for (std::size_t i = 0; i < free.size(); ++i)
-    problem.SetParameterLowerBound(relative.data(), static_cast<int>(i), 0.0);
-  if (!logs.empty()) set_bounds(problem, logs, dictionary, bounds);
-  SolverSummary summary = run(problem);
-  for (std::size_t i = 0; i < free.size(); ++i) coefficients(free[i]) *= relative[i];
-  dictionary = with_parameters(dictionary, logs.data());
-  return summary;
+  const Projection& here = cost.at(logs);
+  const Eigen::Index n = here.inner.x.size(), force = here.moments.cols() - 1;
+  result.dictionary = here.dictionary;
+  result.coefficients = here.inner.x;
+  result.free = here.inner.free;
+  result.moments = here.blocks;
+  result.gradient = largest_gradient(here, limits);
+  result.summary.final_cost =
+      0.5 * (here.moments(force, force) - here.moments.col(force).head(n).dot(result.coefficients));
+  result.summary.kkt_residual = kkt_residual(here.moments.topLeftCorner(n, n), here.moments.col(force).head(n),
+                                             here.moments(force, force), result.coefficients);
+  return result;
 }
 
 }  // namespace grouser

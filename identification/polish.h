@@ -1,25 +1,39 @@
 #pragma once
 #include <Eigen/Core>
 
-#include "identification/axis_problem.h"
+#include "identification/block_moments.h"
 #include "model/fit.h"
 
 namespace grouser {
 
-/// Where yields [m or rad] and relaxation times [s] may go.
+/// Where the nonlinear parameters may go.
 struct PolishBounds {
-  double yield_low = 0.0, yield_high = 0.0;
-  double time_low = 0.0, time_high = 0.0;
+  double yield_low = 0.0, yield_high = 0.0;    ///< m or rad
+  double time_low = 0.0, time_high = 0.0;      ///< s
+  double growth_low = 0.0, growth_high = 0.0;  ///< 1/m^2 or 1/rad^2
 };
 
-/// Moves yields and relaxation times to the least squares optimum by variable projection (Golub & Pereyra 1973;
-/// Kaufman's Jacobian): Ceres on their logarithms, non-negative least squares for the coefficients inside. Throws
-/// NumericalError when Ceres does not converge.
-SolverSummary refine_nonlinear(const AxisData& data, const PolishBounds& bounds, Dictionary& dictionary);
+struct PolishOptions {
+  double function_tolerance = 1e-8;  ///< relative change of the cost at which the search stops
+  int max_iterations = 200;
+};
 
-/// The same optimum with the free coefficients as unknowns too; those at zero stay there. `coefficients` is the start
-/// and the result. Throws NumericalError when Ceres does not converge.
-SolverSummary polish_jointly(const AxisData& data, const PolishBounds& bounds, Dictionary& dictionary,
-                             Eigen::VectorXd& coefficients);
+/// A law after the search for its nonlinear parameters.
+struct PolishedLaw {
+  Dictionary dictionary;
+  Eigen::VectorXd coefficients;       ///< >= 0, non-negative least squares for this dictionary
+  std::vector<int> free;              ///< numbers of the coefficients > 0
+  std::vector<BlockMoments> moments;  ///< split_moments() with derivatives, for this dictionary
+  SolverSummary summary;              ///< termination as Ceres states it; kkt_residual of the linear part
+  double gradient = 0.0;              ///< nonlinear optimality, see below
+  bool converged = false;
+};
+
+/// Moves the nonlinear parameters to the least squares optimum by variable projection (Golub & Pereyra 1973; Kaufman's
+/// Jacobian): Ceres on their logarithms, non-negative least squares for the coefficients inside. `gradient` is the
+/// largest cosine between the residual and its derivative by a parameter that is not held by its bound: moving that
+/// parameter alone could lower the cost by the fraction gradient^2.
+[[nodiscard]] PolishedLaw polish(const AxisData& data, const PolishBounds& bounds, const Dictionary& start,
+                                 const PolishOptions& options = {});
 
 }  // namespace grouser

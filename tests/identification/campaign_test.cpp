@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "identification/evaluate_fit.h"
 #include "identification/identify.h"
 #include "model/provenance.h"
 #include "test_data/generator/campaign_files.h"
@@ -103,25 +104,26 @@ TEST(Campaign, ReferenceBushingIsItsResult) {
   const Bushing committed =
       read_bushing(std::filesystem::path(GROUSER_SOURCE_DIR) / "test_data/bushings/reference.json");
   EXPECT_TRUE(committed.synthetic);
+  // Another compiler may stop the search for yields elsewhere in its flat valley, and with it even the number of
+  // elements may change: what both must share is the response. The fit itself misses the truth by 1 %.
   for (int a = 0; a < k_num_axes; ++a) {
     const AxisLaw& now = reference_result().bushing.axes[static_cast<std::size_t>(a)];
     const AxisLaw& then = committed.axes[static_cast<std::size_t>(a)];
-    const double reach = then.spring.displacement.back(), top = evaluate(then.spring, reach).force;
-    for (const double fraction : {0.2, 0.5, 0.8, 1.0}) {
-      // another compiler may stop the search for yields elsewhere in its flat valley
-      EXPECT_NEAR(evaluate(now.spring, fraction * reach).force, evaluate(then.spring, fraction * reach).force,
-                  0.01 * top);
-    }
-    EXPECT_EQ(now.stops.size(), then.stops.size()) << k_axis_names[static_cast<std::size_t>(a)];
-    EXPECT_EQ(now.branches.size(), then.branches.size());
+    const double frequency = std::sqrt(then.valid->frequency_low * then.valid->frequency_high);
+    const RigTest loop = sine_test(0.5 * then.valid->amplitude, frequency, 3, 200, [](double, double) { return 0.0; });
+    const std::vector<double> f = replay(now, loop.time, loop.displacement);
+    const std::vector<double> g = replay(then, loop.time, loop.displacement);
+    const auto [low, high] = std::ranges::minmax(g);
+    for (std::size_t i = 400; i < f.size(); ++i) ASSERT_NEAR(f[i], g[i], 0.02 * (high - low)) << k_axis_names[a];
   }
 }
 
 TEST(Campaign, LawsAreSmallMonotoneAndNonNegative) {
   for (const AxisLaw& law : reference_result().bushing.axes) {
-    EXPECT_LE(law.stops.size(), 4u);
-    EXPECT_LE(law.branches.size(), 4u);
-    EXPECT_LE(law.spring.displacement.size(), 32u);
+    EXPECT_LE(law.stops.size(), 6u);
+    EXPECT_LE(law.branches.size(), 6u);
+    EXPECT_EQ(law.yield_growth, 0.0);  // the true rubber's yields do not grow
+    EXPECT_LE(law.spring.displacement.size(), 41u);
     EXPECT_GE(*std::ranges::min_element(law.spring.slope), 0.0);
     for (const FrictionStop& stop : law.stops) EXPECT_GT(stop.stiffness, 0.0);
     for (const MaxwellBranch& branch : law.branches) EXPECT_GT(branch.stiffness, 0.0);

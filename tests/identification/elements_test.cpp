@@ -76,7 +76,7 @@ TEST(ElementHistory, KnowsItsDerivativesByYieldAndTime) {
     double x = 0.0;
     for (int i = 1; i <= 500; ++i) {
       const double next = std::sin(0.05 * i);
-      history.advance(next - x, 0.01);
+      history.advance(x, next, 0.01);
       x = next;
     }
     return std::pair(history.value(), history.derivative());
