@@ -94,7 +94,7 @@ class FigurePainter {
   void series(const Panel& panel, const PanelLayout& at) {
     for (std::size_t i = 0; i < panel.series.size(); ++i) {
       const Series& one = panel.series[i];
-      const Color color{series_color(panel, i, theme_.palette)};
+      const Color color{series_color(panel, i, theme_.palette), one.opacity};
       const Dash dash = one.style == SeriesStyle::dashed ? Dash{6.0f * k_, 10.0f * k_} : Dash{};
       for (const auto& piece : pixel_pieces(one.x, one.y, at.frame, one.style == SeriesStyle::steps)) {
         if (one.style == SeriesStyle::points || piece.size() == 1) {

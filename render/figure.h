@@ -20,6 +20,7 @@ struct Series {
   float width = 1.4f;          ///< CSS pixels
   std::optional<Rgb> color{};  ///< default: the palette by order
   std::optional<int> hue{};    ///< entry of the palette to take instead of the one by order
+  float opacity = 1.0f;        ///< of a line that others are to be seen on
 };
 
 /// Filled between low and high over x (interval bands).

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <set>
+#include <span>
 
 #include "reports/assets.h"
 #include "reports/encode.h"
@@ -98,11 +99,11 @@ std::string page_color(const std::optional<Rgb>& color, int entry) {
   return fmt::format("rgb({:.0f},{:.0f},{:.0f})", 255.0f * (*color)[0], 255.0f * (*color)[1], 255.0f * (*color)[2]);
 }
 
-/// One legend for all panels: every name once, in order of appearance.
-json legend_facts(const Figure& figure) {
+/// Every name of the panels once, in order of appearance.
+json legend_facts(std::span<const Panel> panels) {
   json entries = json::array();
   std::set<std::string> seen;
-  for (const Panel& panel : figure.panels) {
+  for (const Panel& panel : panels) {
     for (std::size_t i = 0; i < panel.series.size(); ++i) {
       const Series& series = panel.series[i];
       if (!series.name.empty() && seen.insert(series.name).second)
@@ -118,7 +119,14 @@ json legend_facts(const Figure& figure) {
                            {"color", page_color(band.color, band.hue.value_or(static_cast<int>(i)))}});
     }
   }
-  return entries;
+  return entries.size() > 1 ? entries : json::array();
+}
+
+/// Whether one legend can serve all panels: none of them gives a colour to another name.
+bool share_legend(const Figure& figure) {
+  std::size_t largest = 0;
+  for (const Panel& panel : figure.panels) largest = std::max(largest, legend_facts({&panel, 1}).size());
+  return legend_facts(figure.panels).size() <= std::max<std::size_t>(largest, 1);
 }
 
 /// Five digits: more than a picture shows, and no round-off to tell two equal pages apart.
@@ -157,12 +165,14 @@ json tile_facts(const Figure& figure) {
   const auto count = static_cast<int>(figure.panels.size());
   const int columns = std::max(1, figure.columns), rows = (count + columns - 1) / columns;
   const int width = figure.width / columns, height = figure.height / rows;
+  const bool shared = share_legend(figure);
   json tiles = json::array();
   for (const Panel& panel : figure.panels) {
     Figure alone{.name = "", .title = figure.title, .caption = "", .panels = {panel}};
     tiles.push_back({{"title", panel.title},
                      {"data", panel_data(panel)},
                      {"note", ""},
+                     {"legend", shared ? json::array() : legend_facts({&panel, 1})},
                      {"payload_svg", draw_svg(tile_figure(figure, panel, width, height), text_alternative(alone))}});
   }
   return tiles;
@@ -254,8 +264,7 @@ json figure_block(const Figure& figure, const std::string& id) {
   if (tiled) {
     block["tiles"] = tile_facts(figure);
     block["tile_width"] = figure.width / std::max(1, figure.columns);
-    block["legend"] = legend_facts(figure);
-    block["has_legend"] = block["legend"].size() > 1;
+    block["legend"] = share_legend(figure) ? legend_facts(figure.panels) : json::array();
     return block;
   }
   block["width"] = figure.width;

@@ -26,7 +26,8 @@ inline constexpr const char* k_payload_prefix = "payload_";
 
 /// The block: {id, name, title, caption, alt, chart, drawn, tiled, ...}. `id` is unique on the page. A figure that
 /// cannot be a chart becomes small multiples: tiles[] of {title, note, data, payload_svg}, whose `note` the caller may
-/// fill with a line to stand under the tile, and one legend[] for all.
+/// fill with a line to stand under the tile, and a legend[] for all of them, or one each where their colours mean
+/// different things.
 [[nodiscard]] nlohmann::json figure_block(const Figure& figure, const std::string& id);
 
 }  // namespace grouser

@@ -81,11 +81,15 @@ std::optional<Figure> figure_loops(const std::vector<const TestFit*>& tests, con
                 .x_label = displacement_label(test->axis, units),
                 .y_label = force_label(test->axis, units)};
     // Wide and under the thin line of the law: where the law leaves the measurement, it leaves the wide line.
-    panel.series.push_back(
-        {.name = "measured", .x = x, .y = times(test->curve.force, units.force_scale), .width = 3.4f, .hue = k_blue});
+    panel.series.push_back({.name = "measured",
+                            .x = x,
+                            .y = times(test->curve.force, units.force_scale),
+                            .width = 3.8f,
+                            .hue = k_blue,
+                            .opacity = 0.45f});
     if (!left_out(*test))
       panel.series.push_back(
-          {.name = law, .x = x, .y = times(test->curve.fitted, units.force_scale), .width = 1.1f, .hue = k_orange});
+          {.name = law, .x = x, .y = times(test->curve.fitted, units.force_scale), .width = 1.3f, .hue = k_orange});
     panels.push_back(std::move(panel));
   }
   if (panels.empty()) return std::nullopt;
@@ -242,29 +246,37 @@ Panel quantity_panel(const Grid& grid, Over over, const Quantity& quantity) {
   return panel;
 }
 
-/// Half width of the law's band and the measured loops' deviation from the law, in per cent of the law's value.
-Panel deviation_panel(const Grid& grid, Over over, const Quantity& quantity) {
-  Panel panel = empty_panel(grid, over, "Measured − law [%]");
+/// The measured loops' deviation from the law over amplitude in per cent, and the law's band there: of all frequencies
+/// the widest, for bands of about one width would only hide one another.
+Panel deviation_panel(const Grid& grid, const Quantity& quantity) {
+  constexpr int k_grey = 7;
+  Panel panel = empty_panel(grid, Over::amplitude, "Measured − law [%]");
   panel.zero_lines = true;
-  for (std::size_t group = 0; group < num_groups(grid, over); ++group) {
-    const int hue = static_cast<int>(group);
-    const auto cells = curve_of(grid, grid.cells, over, group);
-    Band band{.hue = hue};
-    for (const auto& [x, cell] : cells) {
-      const Interval& interval = cell->*quantity.of_law;
-      if (interval.value <= 0.0) continue;
-      band.x.push_back(x);
-      band.low.push_back(100.0 * (interval.low / interval.value - 1.0));
-      band.high.push_back(100.0 * (interval.high / interval.value - 1.0));
+  Band band{.name = "95 % interval, widest", .hue = k_grey};
+  for (std::size_t level = 0; level < grid.amplitudes.size(); ++level) {
+    double low = 0.0, high = 0.0;
+    for (const ResponsePoint& cell : grid.cells) {
+      const Interval& interval = cell.*quantity.of_law;
+      if (level_index(grid.amplitudes, cell.amplitude) != level || interval.value <= 0.0) continue;
+      low = std::fmin(low, 100.0 * (interval.low / interval.value - 1.0));
+      high = std::fmax(high, 100.0 * (interval.high / interval.value - 1.0));
     }
-    Series measured{.name = group_name(grid, over, group), .style = SeriesStyle::points, .width = 2.4f, .hue = hue};
-    for (const auto& [x, loop] : curve_of(grid, grid.loops, over, group)) {
+    band.x.push_back(units_of(grid.axis).displacement_scale * grid.amplitudes[level]);
+    band.low.push_back(low);
+    band.high.push_back(high);
+  }
+  panel.bands.push_back(std::move(band));
+  for (std::size_t group = 0; group < num_groups(grid, Over::amplitude); ++group) {
+    Series measured{.name = group_name(grid, Over::amplitude, group),
+                    .style = SeriesStyle::points,
+                    .width = 2.4f,
+                    .hue = static_cast<int>(group)};
+    for (const auto& [x, loop] : curve_of(grid, grid.loops, Over::amplitude, group)) {
       const double law = quantity.of_loop(loop->fitted);
       if (law <= 0.0) continue;
       measured.x.push_back(x);
       measured.y.push_back(100.0 * (quantity.of_loop(loop->measured) / law - 1.0));
     }
-    panel.bands.push_back(std::move(band));
     panel.series.push_back(std::move(measured));
   }
   return panel;
@@ -295,8 +307,7 @@ std::optional<Figure> figure_energy(const AxisFit& axis, const std::vector<const
   if (!varies(grid, Over::amplitude)) return std::nullopt;
   const Quantity energy{"Energy a cycle [J]", 1.0, &ResponsePoint::energy,
                         [](const LoopMeasures& loop) { return loop.dissipated_energy; }};
-  std::vector<Panel> panels{quantity_panel(grid, Over::amplitude, energy),
-                            deviation_panel(grid, Over::amplitude, energy)};
+  std::vector<Panel> panels{quantity_panel(grid, Over::amplitude, energy), deviation_panel(grid, energy)};
   panels[0].log_y = true;
   panels[0].title = "Dissipated energy";
   panels[1].title = "Its deviation from the law";
@@ -362,6 +373,17 @@ Panel band_panel(const std::vector<BandPoint>& points, const std::string& title,
   return panel;
 }
 
+/// The band by itself: beside forces of the whole range it is no wider than the line.
+Panel interval_panel(const std::vector<BandPoint>& points, const std::string& title, Axis axis,
+                     const std::string& y_label, double y_scale) {
+  std::vector<BandPoint> about_zero;
+  for (const BandPoint& point : points)
+    about_zero.push_back({point.x, 0.0, point.low - point.value, point.high - point.value});
+  Panel panel = band_panel(about_zero, title, axis, y_label, y_scale);
+  panel.series.front().width = 1.0f;
+  return panel;
+}
+
 std::vector<Mark> limit_marks(const AxisFit& axis) {
   const double scale = units_of(axis.axis).displacement_scale;
   std::vector<Mark> marks;
@@ -389,8 +411,10 @@ std::optional<Figure> figure_backbone(const AxisFit& axis) {
                            number_text(units.displacement_scale * axis.tangent_window, 3), units.displacement);
   }
   for (Panel& panel : panels) panel.marks = limit_marks(axis);
+  panels.insert(panels.begin() + 1, interval_panel(axis.backbone, "Interval of the backbone", axis.axis,
+                                                   force_label(axis.axis, units), units.force_scale));
   return multiples(std::string("backbone_") + name_of(axis.axis), "Backbone and tangent stiffness", caption + ".",
-                   std::move(panels), k_wide_tile_width, 300, 2);
+                   std::move(panels), k_tile_width, 235, 3);
 }
 
 std::optional<Figure> figure_selection(const AxisFit& axis) {

@@ -148,9 +148,8 @@ json joint_limit_facts(const AxisFit& axis) {
 }
 
 std::string trend_sentence(const Trend& trend, const char* quantity, const char* missing) {
-  const auto percent = [](double share) { return number_text(100.0 * share, 2) + " %"; };
-  return fmt::format("Over {}: {} a decade, ± {} (95 %): {}.", quantity, percent(trend.per_decade),
-                     percent(trend.half_width),
+  return fmt::format("Over {}: {} a decade, ± {} (95 %): {}.", quantity, signed_percent_text(trend.per_decade, 2),
+                     fixed_percent_text(trend.half_width, 2),
                      trend.is_real() ? fmt::format("a trend, {} may be missing", missing) : "no trend");
 }
 

@@ -100,4 +100,15 @@ std::string quantity_text(double value, const std::string& unit, int digits) {
 
 std::string percent_text(double fraction, int digits) { return number_text(100.0 * fraction, digits) + " %"; }
 
+std::string fixed_percent_text(double fraction, int decimals) {
+  if (!std::isfinite(fraction)) return "–";
+  return fmt::format("{}{:.{}f} %", fraction < 0.0 ? k_minus : "", 100.0 * std::abs(fraction), decimals);
+}
+
+std::string signed_percent_text(double fraction, int decimals) {
+  const std::string size = fixed_percent_text(std::abs(fraction), decimals);
+  const bool zero = size.find_first_of("123456789") == std::string::npos;
+  return std::string(zero ? "" : fraction > 0.0 ? "+" : k_minus) + size;
+}
+
 }  // namespace grouser

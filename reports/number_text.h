@@ -14,4 +14,9 @@ namespace grouser {
 /// "3.2 %" of a fraction.
 [[nodiscard]] std::string percent_text(double fraction, int digits = 3);
 
+/// "3.20 %" of a fraction with that many decimals.
+[[nodiscard]] std::string fixed_percent_text(double fraction, int decimals);
+/// "+1.2 %", "−0.4 %", "0.0 %": a change as a fraction, with that many decimals and no sign on a rounded zero.
+[[nodiscard]] std::string signed_percent_text(double fraction, int decimals = 1);
+
 }  // namespace grouser

@@ -29,12 +29,7 @@ json percent(double fraction, int digits = 2) {
   return {{"value", fraction}, {"text", percent_text(fraction, digits)}};
 }
 
-/// "+1.2 %", a true minus, no sign on a rounded zero.
-json signed_percent(double fraction) {
-  const std::string digits = fmt::format("{:.1f} %", 100.0 * std::abs(fraction));
-  const char* sign = digits == "0.0 %" ? "" : fraction > 0.0 ? "+" : "\u2212";
-  return {{"value", fraction}, {"text", sign + digits}};
-}
+json signed_percent(double fraction) { return {{"value", fraction}, {"text", signed_percent_text(fraction)}}; }
 
 json error_facts(double computed, double measured) {
   return measured != 0.0 ? signed_percent(relative_error(computed, measured)) : absent();

@@ -29,6 +29,14 @@ TEST(NumberText, GroupsLongNumbers) {
   EXPECT_EQ(count_text(-1234567), "−1\u202f234\u202f567");
 }
 
+TEST(NumberText, SignsAChangeButNotARoundedZero) {
+  EXPECT_EQ(signed_percent_text(0.0123), "+1.2 %");
+  EXPECT_EQ(signed_percent_text(-0.0123, 2), "−1.23 %");
+  EXPECT_EQ(signed_percent_text(-0.0004), "0.0 %");
+  EXPECT_EQ(signed_percent_text(std::nan("")), "–");
+  EXPECT_EQ(fixed_percent_text(0.05, 2), "5.00 %");
+}
+
 TEST(QuantityText, TakesThePrefixThatFits) {
   EXPECT_EQ(quantity_text(178800.0, "N"), "178.8 kN");
   EXPECT_EQ(quantity_text(-42.0, "N"), "−42 N");
