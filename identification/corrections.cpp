@@ -21,8 +21,9 @@ constexpr double k_noticed = 1e-4;         // of the force range: less inertia i
 constexpr double k_fraction = 0.618;       // grid of trial constants: each 0.618 of the one before
 constexpr int k_trials = 40;
 constexpr int k_force_bins = 101;
-constexpr double k_standing = 0.015;  // of the force range: half width of the band that stands
-constexpr double k_slack = 10.0, k_least_play = 0.03;
+constexpr double k_standing = 0.003;  // of the force range: half width of the band that stands
+constexpr double k_slack = 8.0, k_least_play = 0.03;
+constexpr double k_apart = 0.1;  // of the force range, by the fixture's own friction
 
 double compliance_of(const RigRecord& rig, Axis axis) {
   return is_rotation(axis) ? rig.rig_angular_compliance : rig.rig_compliance;
@@ -112,7 +113,7 @@ void remove_backlash(PreparedTest& test, std::vector<AppliedCorrection>& correct
   if (!play) return;
   double crossed = 0.5 * play->width, before = test.displacement.front();
   for (std::size_t i = 0; i < test.displacement.size(); ++i) {
-    const double over = test.force[i] - play->force, dx = test.displacement[i] - before;
+    const double over = test.smooth_force[i] - play->force, dx = test.displacement[i] - before;
     before = test.displacement[i];
     crossed =
         std::abs(over) <= play->band ? std::clamp(crossed + dx, 0.0, play->width) : (over > 0.0 ? play->width : 0.0);
@@ -124,43 +125,58 @@ void remove_backlash(PreparedTest& test, std::vector<AppliedCorrection>& correct
                                      shown.force(play->force))});
 }
 
-// Path of the displacement while the force lies in low..high, rising and falling apart.
+// Path of the displacement in one direction while the force lies in low..high, and its mean force.
 struct Path {
-  double rising = 0.0, falling = 0.0;
+  double length = 0.0, force = 0.0;
 };
-Path path_between(const PreparedTest& test, const std::vector<const Cycle*>& cycles, double low, double high) {
+Path path_between(const PreparedTest& test, const std::vector<const Cycle*>& cycles, bool rising, double low,
+                  double high) {
   Path path;
   for (const Cycle* cycle : cycles) {
     for (std::size_t i = cycle->span.begin + 1; i <= cycle->span.end; ++i) {
-      const auto [from, to] = std::minmax(test.force[i - 1], test.force[i]);
-      const double inside = std::min(to, high) - std::max(from, low);
-      if (inside < 0.0) continue;
       const double dx = test.displacement[i] - test.displacement[i - 1];
-      const double share = to > from ? inside / (to - from) : 1.0;
-      (dx > 0.0 ? path.rising : path.falling) += share * std::abs(dx);
+      const auto [from, to] = std::minmax(test.smooth_force[i - 1], test.smooth_force[i]);
+      const double bottom = std::max(from, low), top = std::min(to, high);
+      if (top < bottom || (dx > 0.0) != rising) continue;
+      const double step = std::abs(dx) * (to > from ? (top - bottom) / (to - from) : 1.0);
+      path.length += step;
+      path.force += step * 0.5 * (bottom + top);
     }
   }
-  const auto count = static_cast<double>(cycles.size());
-  return {path.rising / count, path.falling / count};
+  if (path.length > 0.0) path.force /= path.length;
+  return path;
 }
 
-// Middle of the force bin, in the central half of the range, that both branches spend most of their path in.
-double standing_force(const PreparedTest& test, const std::vector<const Cycle*>& cycles, double low, double high) {
-  std::vector<Path> bins(k_force_bins);
+// Force, in the central half of low..high, about which a branch spends most of its path.
+double standing_force(const PreparedTest& test, const std::vector<const Cycle*>& cycles, bool rising, double low,
+                      double high) {
   const double width = (high - low) / k_force_bins;
-  for (const Cycle* cycle : cycles) {
-    for (std::size_t i = cycle->span.begin + 1; i <= cycle->span.end; ++i) {
-      const double middle = 0.5 * (test.force[i - 1] + test.force[i]);
-      const double dx = test.displacement[i] - test.displacement[i - 1];
-      Path& bin = bins[static_cast<std::size_t>(std::clamp((middle - low) / width, 0.0, k_force_bins - 1.0))];
-      (dx > 0.0 ? bin.rising : bin.falling) += std::abs(dx);
-    }
+  Path best;
+  for (int b = k_force_bins / 4; b < 3 * k_force_bins / 4; ++b) {
+    const Path path = path_between(test, cycles, rising, low + width * b, low + width * (b + 1));
+    if (path.length > best.length) best = path;
   }
-  std::size_t best = k_force_bins / 2;
-  for (std::size_t b = k_force_bins / 4; b < 3 * k_force_bins / 4; ++b) {
-    if (std::min(bins[b].rising, bins[b].falling) > std::min(bins[best].rising, bins[best].falling)) best = b;
-  }
-  return low + (static_cast<double>(best) + 0.5) * width;
+  // centred on what it holds, so that a bin's border does not cut it
+  for (int k = 0; k < 3; ++k) best = path_between(test, cycles, rising, best.force - width, best.force + width);
+  return best.force;
+}
+
+// One branch's piece of standing force: its length beyond what the stiffness beside it needs, and by how much it is
+// slacker. The bands beside are four times as high.
+struct Standing {
+  double force = 0.0, length = 0.0, slackness = 0.0;
+};
+Standing find_standing(const PreparedTest& test, const std::vector<const Cycle*>& cycles, bool rising, double low,
+                       double high, double band) {
+  Standing standing;
+  standing.force = standing_force(test, cycles, rising, low, high);
+  const auto path = [&](double from, double to) {
+    return path_between(test, cycles, rising, standing.force + from * band, standing.force + to * band).length;
+  };
+  const double inside = path(-1.0, 1.0), stiff = 0.25 * (path(-5.0, -1.0) + path(1.0, 5.0));
+  standing.length = (inside - stiff) / static_cast<double>(cycles.size());
+  standing.slackness = inside / stiff;
+  return standing;
 }
 
 }  // namespace
@@ -295,26 +311,24 @@ std::optional<Play> find_play(const PreparedTest& test) {
   if (cycles.empty()) return std::nullopt;
   double low = std::numeric_limits<double>::max(), high = -low, stroke = 0.0;
   for (const Cycle* cycle : cycles) {
-    for (std::size_t i = cycle->span.begin; i <= cycle->span.end; ++i) {
-      low = std::min(low, test.force[i]);
-      high = std::max(high, test.force[i]);
-    }
+    const auto first = test.smooth_force.begin() + static_cast<std::ptrdiff_t>(cycle->span.begin);
+    const auto [least, most] =
+        std::minmax_element(first, first + static_cast<std::ptrdiff_t>(cycle->span.end - cycle->span.begin) + 1);
+    low = std::min(low, *least);
+    high = std::max(high, *most);
     stroke = std::max(stroke, range_of(test.displacement, cycle->span));
   }
+  const double band = std::max(k_standing * (high - low), 3.0 * noise_level(test.smooth_force));
+  const Standing up = find_standing(test, cycles, true, low, high, band);
+  const Standing down = find_standing(test, cycles, false, low, high, band);
+  const double apart = std::abs(up.force - down.force);
+  const bool slack = std::min(up.slackness, down.slackness) > k_slack && apart < k_apart * (high - low);
+  if (!slack || std::min(up.length, down.length) < k_least_play * stroke) return std::nullopt;
   Play play;
-  play.force = standing_force(test, cycles, low, high);
-  play.band = std::max(k_standing * (high - low), 3.0 * test.noise_force);
-  const auto path = [&](double from, double to) {
-    return path_between(test, cycles, play.force + from * play.band, play.force + to * play.band);
-  };
-  const Path inside = path(-1.0, 1.0), below = path(-5.0, -1.0), above = path(1.0, 5.0);
-  // the band beside is four times as high on either side
-  const double stiff_rising = 0.25 * (below.rising + above.rising),
-               stiff_falling = 0.25 * (below.falling + above.falling);
-  const double rising = inside.rising - stiff_rising, falling = inside.falling - stiff_falling;
-  play.width = 0.5 * (rising + falling);
-  play.slackness = std::min(inside.rising / stiff_rising, inside.falling / stiff_falling);
-  if (!(play.slackness > k_slack) || std::min(rising, falling) < k_least_play * stroke) return std::nullopt;
+  play.width = 0.5 * (up.length + down.length);
+  play.force = 0.5 * (up.force + down.force);
+  play.band = 0.5 * apart + band;
+  play.slackness = std::min(up.slackness, down.slackness);
   return play;
 }
 

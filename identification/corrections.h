@@ -48,7 +48,7 @@ struct Play {
   double band = 0.0;       ///< half width of the force band taken for standing
   double slackness = 0.0;  ///< path in that band over the path that the stiffness beside it would need
 };
-/// From the later half of the closed cycles; none where no piece of both branches is ten times slacker than its
+/// From the later half of the closed cycles; none where no piece of both branches is eight times slacker than its
 /// surroundings (a pure cubic spring: 5.6 times) and longer than 3 % of the range.
 [[nodiscard]] std::optional<Play> find_play(const PreparedTest& test);
 

@@ -5,30 +5,13 @@
 #include <algorithm>
 
 #include "identification/identify.h"
-#include "identification/prepared_test.h"
 #include "model/errors.h"
-#include "tests/identification/bench.h"
+#include "tests/identification/prepared.h"
 
 namespace grouser {
 namespace {
 
 using ::testing::HasSubstr;
-
-std::vector<std::string> codes(const std::vector<FitWarning>& warnings) {
-  std::vector<std::string> result;
-  for (const FitWarning& warning : warnings) result.push_back(warning.code);
-  return result;
-}
-
-struct Prepared {
-  RigRecord rig;
-  std::vector<FitWarning> warnings;
-  std::vector<AppliedCorrection> corrections;
-  PreparedTest test;
-  explicit Prepared(RigTest source) : Prepared(record_of({std::move(source)})) {}
-  explicit Prepared(RigRecord record)
-      : rig(std::move(record)), test(prepare_test(rig.tests[0], rig, warnings, corrections)) {}
-};
 
 RigTest loop() { return Bench().measure(Axis::x, "x_loop_0.2mm_1hz"); }
 
@@ -214,18 +197,6 @@ TEST(Preparation, DropsWhatTheRigFileAsks) {
   const Prepared prepared(test);
   EXPECT_EQ(prepared.test.cycles_used(), 2);
   EXPECT_EQ(prepared.test.cycles[6].note, "discarded by the rig file");
-}
-
-TEST(Preparation, TakesRigComplianceAndSeriesBushingsOut) {
-  RigTest test = sine_test(1.0e-3, 1.0, 4, 200, [](double x, double rate) { return 5.0e7 * x + 1.0e5 * rate; });
-  for (std::size_t i = 0; i < test.force.size(); ++i)
-    test.displacement[i] = 2.0 * test.displacement[i] + 1.0e-9 * test.force[i];
-  RigRecord rig = record_of({test});
-  rig.rig_compliance = 1.0e-9;
-  rig.bushings_in_series = 2;
-  const PreparedTest prepared = Prepared(rig).test;
-  EXPECT_NEAR(prepared.cycles.back().amplitude, 1.0e-3, 1e-9);
-  EXPECT_NEAR(prepared.cycles.back().measured.equivalent_damping, 1.0e5, 50.0);  // chords of 200 samples: 2e-4
 }
 
 TEST(Preparation, TakesTheTimeOfALoopWithoutOneFromItsFrequency) {
