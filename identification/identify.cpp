@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cmath>
 #include <exception>
+#include <map>
 #include <optional>
 #include <string_view>
 #include <thread>
@@ -13,8 +14,11 @@
 #include "identification/axis_fit.h"
 #include "identification/corrections.h"
 #include "identification/cycle_findings.h"
+#include "identification/draws.h"
 #include "identification/evaluate_fit.h"
+#include "identification/joint_limits.h"
 #include "identification/prepared_test.h"
+#include "identification/robust_weights.h"
 #include "identification/uncertainty.h"
 #include "model/errors.h"
 
@@ -23,7 +27,9 @@ namespace {
 
 struct AxisResult {
   AxisLaw law;
+  std::vector<AxisLaw> draws;
   AxisFit fit;
+  std::map<const PreparedTest*, double> left_out_nrmse, weights;  // where they are known
 };
 
 std::vector<const PreparedTest*> usable_tests(const std::vector<PreparedTest>& tests, Axis axis) {
@@ -56,8 +62,22 @@ ValidRange valid_range(const AxisData& data, const std::vector<const PreparedTes
   return valid;
 }
 
+// Of a test whose blocks were left out together; with a single test its blocks were left out one by one.
+void note_tests(const AxisData& data, const AxisSolution& solution, AxisResult& result) {
+  const std::vector<std::vector<std::size_t>> groups = replicates(data);
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    const DataBlock& block = data.blocks[groups[i].front()];
+    result.weights[block.test] = block.robust_weight;
+    if (i < solution.left_out_nrmse.size()) {
+      double& worst = result.left_out_nrmse[block.test];
+      worst = std::max(worst, solution.left_out_nrmse[i]);
+    }
+  }
+}
+
 AxisResult identify_axis(Axis axis, const std::vector<const PreparedTest*>& tests) {
-  const AxisData data = gather(tests);
+  AxisData data = gather(tests);
+  weigh_tests(data);
   AxisResult result;
   result.fit.axis = axis;
   try {
@@ -65,7 +85,10 @@ AxisResult identify_axis(Axis axis, const std::vector<const PreparedTest*>& test
     result.law = make_law(solution.dictionary, solution.coefficients);
     result.law.valid = valid_range(data, tests);
     result.fit.solver = solution.summary;
-    estimate_uncertainty(data, solution, result.fit);
+    result.fit.selection = solution.selection;
+    note_tests(data, solution, result);
+    result.draws = estimate_uncertainty(data, solution, result.law, result.fit);
+    find_joint_limits(result.fit);
   } catch (const NumericalError& error) {
     throw NumericalError(fmt::format("axis {}: {}", name_of(axis), error.what()));
   }
@@ -133,6 +156,18 @@ void warn_of_missing_axes(const AxisResults& results, std::vector<FitWarning>& w
                                   one ? "gets" : "get", one ? "it" : "them")});
 }
 
+// Draw k of every axis makes bushing k: axes are tested apart, so their draws are independent.
+std::vector<Bushing> whole_bushings(const Bushing& fitted, const AxisResults& axes) {
+  std::vector<Bushing> draws(k_num_draws, fitted);
+  for (std::size_t a = 0; a < axes.size(); ++a) {
+    for (std::size_t k = 0; axes[a] && k < draws.size(); ++k) draws[k].axes[a] = axes[a]->draws[k];
+  }
+  for (std::size_t k = 0; k < draws.size(); ++k) {
+    draws[k].name = fmt::format("{}, draw {} of {}", fitted.name, k + 1, draws.size());
+  }
+  return draws;
+}
+
 double worst_calibration(const RigRecord& rig) {
   double worst = rig.force_sensor ? calibration_residual(*rig.force_sensor) : 0.0;
   if (rig.torque_sensor) worst = std::max(worst, calibration_residual(*rig.torque_sensor));
@@ -167,12 +202,16 @@ IdentifyResult identify(const RigRecord& rig, const IdentifyOptions& options, co
     result.bushing.axes[a] = axes[a]->law;
     result.fit.axes.push_back(axes[a]->fit);
   }
+  result.draws = whole_bushings(result.bushing, axes);
   report_progress(progress, (1.0 + k_num_axes) / (2.0 + k_num_axes), "comparing fit and measurement");
   for (const PreparedTest& test : tests) {
     const auto& axis = axes[static_cast<std::size_t>(index_of(test.source->axis))];
     const bool fitted = axis && test.unusable.empty();
     result.fit.tests.push_back(
         evaluate_fit(test, fitted ? replay(axis->law, test.time, test.displacement) : std::vector<double>{}));
+    if (!fitted || !axis->weights.contains(&test)) continue;
+    result.fit.tests.back().weight = axis->weights.at(&test);
+    if (axis->left_out_nrmse.contains(&test)) result.fit.tests.back().left_out_nrmse = axis->left_out_nrmse.at(&test);
   }
   return result;
 }

@@ -1,0 +1,89 @@
+#include "identification/joint_limits.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+namespace grouser {
+namespace {
+
+constexpr double k_better_than_cubic = 0.5;  // rms error of the pieces over that of a cubic
+constexpr double k_stiffness_ratio = 4.0;
+constexpr int k_finer = 8;  // breaks are searched at the stations, then so much finer
+
+struct Curve {
+  Eigen::VectorXd x, force;
+};
+
+struct Pieces {
+  double first = 0.0, second = 0.0;  // breaks
+  Eigen::Vector3d slope = Eigen::Vector3d::Zero();
+  double squared_error = -1.0;
+};
+
+double squared_error(const Eigen::MatrixXd& columns, const Eigen::VectorXd& force, Eigen::VectorXd& coefficients) {
+  coefficients = columns.colPivHouseholderQr().solve(force);
+  return (force - columns * coefficients).squaredNorm();
+}
+
+void try_breaks(const Curve& curve, double first, double second, Pieces& best) {
+  Eigen::MatrixXd columns(curve.x.size(), 4);  // continuous: a ramp more at every break
+  columns << Eigen::VectorXd::Ones(curve.x.size()), curve.x, (curve.x.array() - first).cwiseMax(0.0).matrix(),
+      (curve.x.array() - second).cwiseMax(0.0).matrix();
+  Eigen::VectorXd c;
+  const double error = squared_error(columns, curve.force, c);
+  if (best.squared_error >= 0.0 && error >= best.squared_error) return;
+  best = {first, second, {c(1), c(1) + c(2), c(1) + c(2) + c(3)}, error};
+}
+
+Pieces three_pieces(const Curve& curve) {
+  const Eigen::Index n = curve.x.size();
+  const double spacing = curve.x(1) - curve.x(0);
+  Pieces best;
+  for (Eigen::Index i = 1; i + 2 < n; ++i) {
+    for (Eigen::Index j = i + 1; j + 1 < n; ++j) try_breaks(curve, curve.x(i), curve.x(j), best);
+  }
+  const Pieces coarse = best;
+  for (int i = -k_finer; i <= k_finer; ++i) {
+    for (int j = -k_finer; j <= k_finer; ++j) {
+      const double first = coarse.first + spacing * i / k_finer, second = coarse.second + spacing * j / k_finer;
+      const bool apart = first > curve.x(0) && second < curve.x(n - 1) && second - first > 0.5 * spacing;
+      if (apart) try_breaks(curve, first, second, best);
+    }
+  }
+  return best;
+}
+
+double cubic_error(const Curve& curve) {
+  const Eigen::ArrayXd u = (curve.x.array() - curve.x.mean()) / (curve.x(curve.x.size() - 1) - curve.x(0));
+  Eigen::MatrixXd columns(curve.x.size(), 4);
+  columns << Eigen::VectorXd::Ones(curve.x.size()), u.matrix(), u.square().matrix(), u.cube().matrix();
+  Eigen::VectorXd c;
+  return squared_error(columns, curve.force, c);
+}
+
+}  // namespace
+
+void find_joint_limits(AxisFit& fit) {
+  const auto n = static_cast<Eigen::Index>(fit.backbone.size());
+  if (n < 8) return;
+  Curve curve{Eigen::VectorXd(n), Eigen::VectorXd(n)};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    curve.x(i) = fit.backbone[static_cast<std::size_t>(i)].x;
+    curve.force(i) = fit.backbone[static_cast<std::size_t>(i)].value;
+  }
+  const Pieces pieces = three_pieces(curve);
+  if (!(pieces.squared_error < k_better_than_cubic * k_better_than_cubic * cubic_error(curve))) return;
+
+  const double before = pieces.slope(0), inside = pieces.slope(1), after = pieces.slope(2);
+  const double range = curve.x(n - 1) - curve.x(0), least = 1e-3 * std::max(before, after);  // a ratio, not an infinity
+  const bool stiff_before = before > k_stiffness_ratio * inside, stiff_after = after > k_stiffness_ratio * inside;
+  if (stiff_before && stiff_after && pieces.second - pieces.first < 0.5 * range) {
+    fit.clearance = Clearance{pieces.first, pieces.second, std::max(inside, 0.0) / std::min(before, after)};
+    return;
+  }
+  if (stiff_before) fit.hard_stops.push_back({pieces.first, before / std::max(inside, least)});
+  if (stiff_after) fit.hard_stops.push_back({pieces.second, after / std::max(inside, least)});
+}
+
+}  // namespace grouser
