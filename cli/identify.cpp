@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <memory>
@@ -6,7 +7,9 @@
 
 #include "cli/command.h"
 #include "cli/stages.h"
+#include "model/bushing_draws.h"
 #include "model/errors.h"
+#include "reports/fit_checks.h"
 #include "reports/report.h"
 
 namespace grouser::cli {
@@ -23,6 +26,56 @@ struct Options {
 std::string test_line(const TestFit& test) {
   return fmt::format("{:<3} {:<28} {:>2} of {:>2} cycles  nrmse {:6.3f} %  R^2 {:.5f}", name_of(test.axis), test.name,
                      test.cycles_used, test.cycles, 100.0 * test.nrmse, test.r_squared);
+}
+
+std::string correction_line(const AppliedCorrection& correction) {
+  return fmt::format("corrected {}: {}{}", correction.code, correction.test.empty() ? "" : correction.test + ": ",
+                     correction.text);
+}
+
+/// The report's checks as a table: a line a quantity, a column an axis, the verdict last.
+std::vector<std::string> check_lines(const nlohmann::json& checks) {
+  const auto line = [](const std::string& label, const std::string& limit, const std::vector<std::string>& cells) {
+    return fmt::format("{:<54} {:>12}  {}", label, limit, fmt::join(cells, " "));
+  };
+  const auto cell = [](const std::string& text) { return fmt::format("{:>12}", text); };
+  std::vector<std::string> names, verdicts, lines;
+  for (const auto& axis : checks["axes"]) {
+    names.push_back(cell(axis["name"]));
+    verdicts.push_back(cell(axis["pass"].get<bool>() ? "pass" : "FAIL"));
+  }
+  lines.push_back(line("", "limit", names));
+  for (const auto& row : checks["rows"]) {
+    std::vector<std::string> values;
+    for (const auto& each : row["cells"]) {
+      values.push_back(cell(each["text"].get<std::string>() + (each["pass"].get<bool>() ? "" : " !")));
+    }
+    lines.push_back(line(row["label"], row["limit"], values));
+  }
+  lines.push_back(line("Verdict", "", verdicts));
+  return lines;
+}
+
+void add_checks(const FitRecord& fit, Result& result) {
+  const nlohmann::json checks = axis_checks(fit), campaign = campaign_checks(fit);
+  for (const std::string& line : check_lines(checks)) result.lines.push_back(line);
+  for (const auto& check : campaign) {
+    result.lines.push_back(fmt::format("{} {}: {} ({})", check["pass"].get<bool>() ? "pass" : "FAIL",
+                                       check["label"].get<std::string>(), check["text"].get<std::string>(),
+                                       check["limit"].get<std::string>()));
+  }
+  result.json["checks"] = {{"axes", checks["axes"]}, {"rows", checks["rows"]}, {"campaign", campaign}};
+}
+
+void add_outputs(const Options& options, std::size_t draws, Result& result) {
+  const fs::path folder = options.folder;
+  for (const char* name : {"bushing.json", "fit.json", "report.html"}) {
+    result.lines.push_back((folder / name).string());
+    result.json["outputs"].push_back((folder / name).string());
+  }
+  if (draws == 0) return;
+  result.lines.push_back(fmt::format("{}: {} bushings as likely as this one", (folder / "draws").string(), draws));
+  result.json["outputs"].push_back((folder / "draws").string());
 }
 
 Result run(const Options& options, Console& console) {
@@ -42,15 +95,18 @@ Result run(const Options& options, Console& console) {
     console.note("warning: " + (warning.test.empty() ? "" : warning.test + ": ") + warning.text);
     result.json["warnings"].push_back({{"code", warning.code}, {"test", warning.test}, {"text", warning.text}});
   }
+  result.json["corrections"] = nlohmann::ordered_json::array();
+  for (const AppliedCorrection& correction : identified.fit.corrections) {
+    result.lines.push_back(correction_line(correction));
+    result.json["corrections"].push_back(
+        {{"code", correction.code}, {"test", correction.test}, {"text", correction.text}});
+  }
+  add_checks(identified.fit, result);
   if (identified.fit.synthetic) {
     result.lines.push_back("synthetic rig data: " + identified.fit.synthetic_note);
     result.json["synthetic"] = identified.fit.synthetic_note;
   }
-  for (const char* name : {"bushing.json", "fit.json", "report.html"}) {
-    const std::string file = (fs::path(options.folder) / name).string();
-    result.lines.push_back(file);
-    result.json["outputs"].push_back(file);
-  }
+  add_outputs(options, identified.draws.size(), result);
   return result;
 }
 
@@ -72,19 +128,21 @@ IdentifyResult identify_into(const fs::path& rig_file, const fs::path& folder, i
     if (made) fs::remove(folder, ignored);  // still empty
     throw;
   }
+  BushingDraws draws(result.draws, folder / "draws");
   write_bushing(result.bushing, folder / "bushing.json");
   write_fit(result.fit, folder / "fit.json");
+  draws.publish();
   write_report({folder}, folder / "report.html");
   return result;
 }
 
 Command add_identify(CLI::App& root) {
   CLI::App* app =
-      root.add_subcommand("identify", "Rig measurements become a bushing: RIG.json -> bushing.json, fit.json");
+      root.add_subcommand("identify", "Rig measurements become a bushing: RIG.json -> bushing.json, fit.json, draws/");
   const auto options = std::make_shared<Options>();
   app->add_option("RIG.json", options->rig_file, "The campaign: grouser.rig/1 and the CSV files that it names")
       ->required();
-  app->add_option("-o,--output", options->folder, "Folder of bushing.json, fit.json and report.html")
+  app->add_option("-o,--output", options->folder, "Folder of bushing.json, fit.json, draws/ and report.html")
       ->type_name("DIR")
       ->capture_default_str();
   app->add_option("--threads", options->threads, "Threads; the result is the same for any number")
