@@ -194,7 +194,7 @@ LoopCentre centre_of_loops(const PreparedTest& test) {
     centre.displacement += cycle.centre;
     centre.displacement_range += 2.0 * cycle.amplitude;
     centre.force_range += 2.0 * cycle.amplitude * cycle.measured.effective_stiffness;
-    double rising = 0.0, falling = 0.0;
+    double rising = test.force[cycle.span.begin], falling = rising;  // where a cycle is cut as it rises, none follows
     for (std::size_t i = cycle.span.begin + 1; i <= cycle.span.end; ++i) {
       const double a = test.displacement[i - 1] - cycle.centre, b = test.displacement[i] - cycle.centre;
       if ((a < 0.0) == (b < 0.0)) continue;
