@@ -11,6 +11,44 @@ namespace {
 constexpr double k_pi = std::numbers::pi;
 constexpr std::size_t k_samples_for_all = 24;  // fewer samples carry the first harmonic only
 
+// Harmonics of signals that share their clock.
+template <std::size_t N>
+std::array<Harmonics, N> fit_together(const std::vector<double>& time,
+                                      const std::array<const std::vector<double>*, N>& signals, CycleSpan span,
+                                      double frequency) {
+  constexpr int most = 2 + 2 * Harmonics::k_count, width = most + static_cast<int>(N);
+  const int count = span.end - span.begin < k_samples_for_all ? 1 : Harmonics::k_count, unknowns = 2 + 2 * count;
+  const double omega = 2.0 * k_pi * frequency, t0 = time[span.begin], duration = time[span.end] - t0;
+  Eigen::Matrix<double, width, width> moments = Eigen::Matrix<double, width, width>::Zero();
+  Eigen::Matrix<double, width, 1> row = Eigen::Matrix<double, width, 1>::Zero();
+  for (std::size_t i = span.begin; i <= span.end; ++i) {
+    const double t = time[i] - t0, cosine = std::cos(omega * t), sine = std::sin(omega * t);
+    row(0) = 1.0;
+    row(1) = t / duration;
+    row(2) = cosine;
+    row(3) = -sine;  // Re (a + i b) exp(i w t) = a cos(w t) - b sin(w t)
+    for (int k = 2; k < 2 * count; k += 2) {
+      row(2 + k) = row(k) * cosine + row(k + 1) * sine;
+      row(3 + k) = row(k + 1) * cosine - row(k) * sine;
+    }
+    for (std::size_t s = 0; s < N; ++s) row(most + static_cast<int>(s)) = (*signals[s])[i] - (*signals[s])[span.begin];
+    moments.template selfadjointView<Eigen::Lower>().rankUpdate(row);
+  }
+  const Eigen::MatrixXd all = moments.template selfadjointView<Eigen::Lower>();
+  const Eigen::LDLT<Eigen::MatrixXd> solver(all.topLeftCorner(unknowns, unknowns));
+  std::array<Harmonics, N> results;
+  for (std::size_t s = 0; s < N; ++s) {
+    const int at = most + static_cast<int>(s);
+    const Eigen::VectorXd target = all.col(at).head(unknowns), c = solver.solve(target);
+    Harmonics& result = results[s];
+    result.offset = c(0) + (*signals[s])[span.begin];
+    result.drift = c(1) / duration;
+    for (int k = 0; k < count; ++k) result.amplitude[static_cast<std::size_t>(k)] = {c(2 + 2 * k), c(3 + 2 * k)};
+    result.residual = std::sqrt(std::max(0.0, all(at, at) - target.dot(c)) / all(0, 0));
+  }
+  return results;
+}
+
 }  // namespace
 
 LoopMeasures loop_measures(const std::vector<double>& displacement, const std::vector<double>& force,
@@ -39,40 +77,13 @@ LoopMeasures loop_measures(const std::vector<double>& displacement, const std::v
 
 Harmonics fit_harmonics(const std::vector<double>& time, const std::vector<double>& signal, CycleSpan span,
                         double frequency) {
-  constexpr int most = 2 + 2 * Harmonics::k_count;
-  const int count = span.end - span.begin < k_samples_for_all ? 1 : Harmonics::k_count, unknowns = 2 + 2 * count;
-  const double omega = 2.0 * k_pi * frequency, t0 = time[span.begin], duration = time[span.end] - t0;
-  Eigen::Matrix<double, most + 1, most + 1> moments = Eigen::Matrix<double, most + 1, most + 1>::Zero();
-  Eigen::Matrix<double, most + 1, 1> row = Eigen::Matrix<double, most + 1, 1>::Zero();
-  for (std::size_t i = span.begin; i <= span.end; ++i) {
-    const double t = time[i] - t0;
-    const std::complex<double> turn = std::polar(1.0, omega * t);
-    std::complex<double> power = 1.0;
-    row(0) = 1.0;
-    row(1) = t / duration;
-    for (int k = 0; k < count; ++k) {
-      power *= turn;
-      row(2 + 2 * k) = power.real();
-      row(3 + 2 * k) = -power.imag();  // Re (a + i b) exp(i w t) = a cos(w t) - b sin(w t)
-    }
-    row(most) = signal[i] - signal[span.begin];
-    moments.selfadjointView<Eigen::Lower>().rankUpdate(row);
-  }
-  const Eigen::MatrixXd all = moments.selfadjointView<Eigen::Lower>();
-  const Eigen::VectorXd target = all.col(most).head(unknowns);
-  const Eigen::VectorXd c = all.topLeftCorner(unknowns, unknowns).ldlt().solve(target);
-  Harmonics result;
-  result.offset = c(0) + signal[span.begin];
-  result.drift = c(1) / duration;
-  for (int k = 0; k < count; ++k) result.amplitude[static_cast<std::size_t>(k)] = {c(2 + 2 * k), c(3 + 2 * k)};
-  result.residual = std::sqrt(std::max(0.0, all(most, most) - target.dot(c)) / all(0, 0));
-  return result;
+  return fit_together<1>(time, {&signal}, span, frequency)[0];
 }
 
 std::complex<double> dynamic_stiffness(const std::vector<double>& time, const std::vector<double>& displacement,
                                        const std::vector<double>& force, CycleSpan span, double frequency) {
-  const std::complex<double> x = fit_harmonics(time, displacement, span, frequency).amplitude[0];
-  return std::abs(x) > 0.0 ? fit_harmonics(time, force, span, frequency).amplitude[0] / x : 0.0;
+  const auto [x, f] = fit_together<2>(time, {&displacement, &force}, span, frequency);
+  return std::abs(x.amplitude[0]) > 0.0 ? f.amplitude[0] / x.amplitude[0] : 0.0;
 }
 
 }  // namespace grouser
