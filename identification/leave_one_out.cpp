@@ -19,6 +19,9 @@ double squared_error(const Eigen::MatrixXd& moments, const Eigen::VectorXd& c) {
 // Mean difference of losses that no reader of the fit would notice: 1 % of the error.
 constexpr double k_negligible = 0.02;
 
+// A test whose squared error doubles casts a full vote, however much more it grows.
+constexpr double k_full_vote = 0.693147;
+
 double loss(double cost) { return std::log1p(cost); }
 
 }  // namespace
@@ -63,9 +66,9 @@ bool clearly_worse(const LeftOut& a, const LeftOut& b) {
   if (a.cost.size() < 2) return false;
   double sum = 0.0, squares = 0.0;
   for (std::size_t i = 0; i < a.cost.size(); ++i) {
-    const double difference = loss(a.cost[i]) - loss(b.cost[i]);
-    sum += difference;
-    squares += difference * difference;
+    const double vote = std::clamp(loss(a.cost[i]) - loss(b.cost[i]), -k_full_vote, k_full_vote);
+    sum += vote;
+    squares += vote * vote;
   }
   const double mean = sum / n, variance = std::max(squares - sum * mean, 0.0) / (n - 1.0);
   return mean > std::max(std::sqrt(variance / n), k_negligible);

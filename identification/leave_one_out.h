@@ -26,7 +26,7 @@ struct LeftOut {
 
 /// True when `a` predicts worse than `b` by more than one standard error of the difference, test by test (the
 /// one-standard-error rule of Breiman et al. 1984, paired because all candidates meet the same tests), and by more than
-/// 1 % of the error.
+/// 1 % of the error. A test counts no more than with a doubled squared error, so that none decides alone.
 [[nodiscard]] bool clearly_worse(const LeftOut& a, const LeftOut& b);
 
 }  // namespace grouser

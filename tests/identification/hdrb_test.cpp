@@ -75,14 +75,29 @@ TEST_F(Hdrb, LoopsAreMeasuredAsInTheReferenceTable) {
   }
 }
 
-TEST_F(Hdrb, OneParameterSetFitsEveryAmplitudeWithinSixPerCent) {
-  std::map<long, double> worst;  // of the used cycles, by amplitude in mm
+// One parameter set for all amplitudes; the published bar of force is 3 % an amplitude, that of energy 5 %.
+TEST_F(Hdrb, OneParameterSetFitsForceAndEnergyOfEveryAmplitude) {
+  struct Sums {
+    double nrmse = 0.0, energy = 0.0, cycles = 0.0;
+  };
+  std::map<long, Sums> amplitudes;  // used cycles, by amplitude in cm
   for (const CycleFit& cycle : result_.fit.tests[0].per_cycle) {
-    if (cycle.used)
-      worst[std::lround(1e3 * cycle.amplitude)] = std::max(worst[std::lround(1e3 * cycle.amplitude)], cycle.nrmse);
+    if (!cycle.used) continue;
+    Sums& sums = amplitudes[std::lround(1e2 * cycle.amplitude)];
+    sums.nrmse += cycle.nrmse;
+    sums.energy += cycle.fitted.dissipated_energy / cycle.measured.dissipated_energy - 1.0;
+    sums.cycles += 1.0;
   }
-  ASSERT_EQ(worst.size(), 4u);
-  for (const auto& [amplitude, nrmse] : worst) EXPECT_LT(nrmse, 0.06) << amplitude << " mm";  // 2 to 3 % measured
+  ASSERT_EQ(amplitudes.size(), 4u);
+  for (const auto& [amplitude, sums] : amplitudes) {
+    EXPECT_LT(sums.nrmse / sums.cycles, 0.03) << amplitude << " cm";             // 1.9 to 2.6 % measured
+    EXPECT_LT(std::abs(sums.energy / sums.cycles), 0.05) << amplitude << " cm";  // 1.3 % at most measured
+  }
+}
+
+TEST_F(Hdrb, WantsYieldsThatGrowWithStrain) {
+  EXPECT_GT(result_.bushing.axis(Axis::x).yield_growth, 0.0);
+  EXPECT_LE(result_.bushing.axis(Axis::x).stops.size(), 4u);
 }
 
 TEST_F(Hdrb, IsFittedWithoutRateAndSaysSo) {
