@@ -174,8 +174,12 @@ TestFit evaluate_fit(const PreparedTest& test, std::vector<double> force) {
     one.amplitude = cycle.amplitude;
     one.measured = cycle.measured;
     if (modelled && cycle.followed()) {
-      one.fitted = loop_measures(test.displacement, fitted, fitted, cycle.span, test.frequency);
-      if (cycle.open) one.fitted = {.effective_stiffness = one.fitted.effective_stiffness};
+      one.fitted =
+          loop_measures(test.displacement, fitted, fitted, cycle.span, test.frequency, test.noise_displacement);
+      if (cycle.open) {
+        one.fitted = {.effective_stiffness = one.fitted.effective_stiffness,
+                      .secant_stiffness = one.fitted.secant_stiffness};
+      }
       add_dynamic_stiffness(test, cycle, fitted, one.fitted);
       ErrorSums sums;
       for (std::size_t i = cycle.span.begin; i < cycle.span.end; ++i) {

@@ -9,8 +9,8 @@ namespace grouser {
 [[nodiscard]] std::vector<double> replay(const AxisLaw& law, const std::vector<double>& time,
                                          const std::vector<double>& displacement);
 
-/// Measured against modelled: loop measures, errors and the curves of one test. `force`: the model's at every sample, the
-/// sensor's zero aside; empty: there is no model for this test.
+/// Measured against modelled: loop measures, errors and the curves of one test. `force`: the model's at every sample,
+/// the sensor's zero aside; empty: there is no model for this test.
 [[nodiscard]] TestFit evaluate_fit(const PreparedTest& test, std::vector<double> force);
 
 }  // namespace grouser

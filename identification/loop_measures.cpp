@@ -9,7 +9,20 @@ namespace grouser {
 namespace {
 
 constexpr double k_pi = std::numbers::pi;
+constexpr double k_margin = 3.0;               // standard deviations
 constexpr std::size_t k_samples_for_all = 24;  // fewer samples carry the first harmonic only
+
+// Over the samples whose displacement lies in low..high.
+double mean_force(const std::vector<double>& displacement, const std::vector<double>& force, CycleSpan span, double low,
+                  double high) {
+  double sum = 0.0, count = 0.0;
+  for (std::size_t i = span.begin; i <= span.end; ++i) {
+    if (displacement[i] < low || displacement[i] > high) continue;
+    sum += force[i];
+    count += 1.0;
+  }
+  return sum / count;
+}
 
 // Harmonics of signals that share their clock.
 template <std::size_t N>
@@ -52,7 +65,7 @@ std::array<Harmonics, N> fit_together(const std::vector<double>& time,
 }  // namespace
 
 LoopMeasures loop_measures(const std::vector<double>& displacement, const std::vector<double>& force,
-                           const std::vector<double>& force_for_range, CycleSpan span, double frequency) {
+                           const std::vector<double>& force_for_range, CycleSpan span, double frequency, double noise) {
   const auto first = displacement.begin() + static_cast<std::ptrdiff_t>(span.begin);
   const auto [x_low, x_high] =
       std::minmax_element(first, first + static_cast<std::ptrdiff_t>(span.end - span.begin) + 1);
@@ -69,7 +82,10 @@ LoopMeasures loop_measures(const std::vector<double>& displacement, const std::v
   if (!(amplitude > 0.0)) return measures;
   const double pi_squared_amplitude = k_pi * amplitude * amplitude;
   measures.effective_stiffness = (*f_high - *f_low) / (2.0 * amplitude);
-  measures.secant_stiffness = (first_force[x_high - first] - first_force[x_low - first]) / (2.0 * amplitude);
+  const double margin = k_margin * noise;
+  measures.secant_stiffness = (mean_force(displacement, force_for_range, span, *x_high - margin, *x_high) -
+                               mean_force(displacement, force_for_range, span, *x_low, *x_low + margin)) /
+                              (2.0 * amplitude);
   measures.loss_factor = area / (pi_squared_amplitude * measures.effective_stiffness);
   if (frequency > 0.0) measures.equivalent_damping = area / (2.0 * k_pi * frequency * pi_squared_amplitude);
   return measures;

@@ -14,9 +14,12 @@ struct Signals {
 };
 
 /// Loop measures by definition (D 6.1) of samples begin..end, closed by the chord; storage and loss stiffness stay 0.
-/// `force_for_range`: the force without noise that would widen its range. frequency 0 = unknown.
+/// `force_for_range`: the force without noise that would widen its range. frequency 0 = unknown. The force at an
+/// extreme displacement, for the secant, is the mean over the samples within 3 `noise` of it: on the flat crest of a
+/// sine, noise chooses one of many, and the force changes between them.
 [[nodiscard]] LoopMeasures loop_measures(const std::vector<double>& displacement, const std::vector<double>& force,
-                                         const std::vector<double>& force_for_range, CycleSpan span, double frequency);
+                                         const std::vector<double>& force_for_range, CycleSpan span, double frequency,
+                                         double noise = 0.0);
 
 /// Harmonics of a signal whose fundamental is known: offset + drift t + Re sum_k amplitude[k-1] exp(i k omega t),
 /// fitted together by least squares, so that neither offset nor drift nor a cut between two samples leaks into them. t

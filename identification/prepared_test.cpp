@@ -101,7 +101,8 @@ void measure_extent(Cycle& cycle, const std::vector<double>& displacement) {
 
 void measure_cycle(Cycle& cycle, const PreparedTest& test) {
   measure_extent(cycle, test.displacement);
-  cycle.measured = loop_measures(test.displacement, test.force, test.smooth_force, cycle.span, test.frequency);
+  cycle.measured = loop_measures(test.displacement, test.force, test.smooth_force, cycle.span, test.frequency,
+                                 test.noise_displacement);
   if (cycle.open) {
     cycle.measured = {.effective_stiffness = cycle.measured.effective_stiffness,
                       .secant_stiffness = cycle.measured.secant_stiffness};

@@ -21,7 +21,7 @@ constexpr double k_tonf = 9806.65, k_cm = 1e-2;
 const fs::path k_data = fs::path(GROUSER_SOURCE_DIR) / "../shared/references/measurements/hdrb_bearing";
 
 struct ReferenceCycle {
-  double amplitude = 0.0, energy = 0.0, force_range = 0.0;  // SI
+  double amplitude = 0.0, secant = 0.0, energy = 0.0;  // SI
   bool transition = false;
 };
 
@@ -34,8 +34,8 @@ std::vector<ReferenceCycle> reference_table() {
     std::vector<std::string> cells;
     std::stringstream row(line);
     for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
-    table.push_back({std::stod(cells[4]) * k_cm, std::stod(cells[7]) * k_tonf * k_cm,
-                     (std::stod(cells[10]) - std::stod(cells[9])) * k_tonf, cells[3] == "transition"});
+    table.push_back({std::stod(cells[4]) * k_cm, std::stod(cells[6]) * k_tonf / k_cm,
+                     std::stod(cells[7]) * k_tonf * k_cm, cells[3] == "transition"});
   }
   return table;
 }
@@ -66,11 +66,10 @@ TEST_F(Hdrb, LoopsAreMeasuredAsInTheReferenceTable) {
   ASSERT_EQ(cycles.size(), 27u);
   ASSERT_EQ(table.size(), 27u);
   for (std::size_t k = 0; k < 27; ++k) {
-    EXPECT_NEAR(cycles[k].measured.dissipated_energy, table[k].energy, 0.01 * table[k].energy) << "cycle " << k + 1;
-    // The table's own Ksec is taken at the extreme displacements; ours is by definition force range over displacement
-    // range.
-    const double stiffness = table[k].force_range / (2.0 * table[k].amplitude);
-    EXPECT_NEAR(cycles[k].measured.effective_stiffness, stiffness, 0.02 * stiffness) << "cycle " << k + 1;
+    EXPECT_NEAR(cycles[k].measured.dissipated_energy, table[k].energy, 0.005 * table[k].energy) << "cycle " << k + 1;
+    // The table takes the force at the single samples of extreme displacement; their noise is most of what remains.
+    EXPECT_NEAR(cycles[k].measured.secant_stiffness, table[k].secant, 0.01 * table[k].secant) << "cycle " << k + 1;
+    EXPECT_NEAR(cycles[k].amplitude, table[k].amplitude, 5e-4 * table[k].amplitude) << "cycle " << k + 1;
     EXPECT_EQ(cycles[k].note == "transition", table[k].transition) << "cycle " << k + 1;
   }
 }
