@@ -56,6 +56,11 @@ void require_optimal(const PolishedLaw& law) {
         fmt::format("the fit misses the optimality conditions of its yields and times by {:.3g} (limit {:.1g})",
                     law.gradient, k_gradient_limit));
   }
+  if (!(law.coefficients.maxCoeff() > 0.0)) {
+    throw NumericalError(
+        "the best law is none: the force falls where the displacement grows, as with swapped columns or a reversed "
+        "sensor");
+  }
 }
 
 }  // namespace

@@ -75,6 +75,10 @@ double kkt_residual(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs, dou
 }
 
 NnlsSolution solve_nnls(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs, const std::vector<int>& start) {
+  // No comparison with a NaN is true: it would pass for optimal below.
+  if (!gram.allFinite() || !rhs.allFinite()) {
+    throw NumericalError("the normal equations hold numbers that are infinite or none");
+  }
   const Eigen::Index n = rhs.size();
   Eigen::VectorXd length(n);
   for (Eigen::Index j = 0; j < n; ++j) length(j) = gram(j, j) > 0.0 ? std::sqrt(gram(j, j)) : 0.0;

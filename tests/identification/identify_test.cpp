@@ -68,6 +68,11 @@ TEST(Identify, RefusesDataThatStandStill) {
   }
 }
 
+TEST(Identify, RefusesAnAxisWhoseForceFalls) {
+  const RigTest reversed = sine_test(1e-3, 1.0, 5, 200, [](double x, double) { return -1e7 * x; });
+  EXPECT_THROW((void)identify(record_of({reversed})), NumericalError);
+}
+
 TEST(Identify, KeepsTheSoundTestsWhenOneIsSwapped) {
   const auto law = [](double x, double rate) { return 1e7 * x + 1e4 * rate; };
   RigTest sound = sine_test(1e-3, 5.0, 6, 200, law), swapped = sound;

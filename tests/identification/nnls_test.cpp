@@ -3,7 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <cmath>
+#include <limits>
 #include <random>
+
+#include "model/errors.h"
 
 namespace grouser {
 namespace {
@@ -69,6 +73,28 @@ TEST(NonNegativeLeastSquares, DoesNotCareForTheUnitsOfItsColumns) {
   const Eigen::MatrixXd gram = unit.asDiagonal() * problem.gram() * unit.asDiagonal();
   const Eigen::VectorXd scaled = solve_nnls(gram, unit.cwiseProduct(problem.rhs())).x;
   EXPECT_LT((scaled.cwiseProduct(unit) - plain).norm(), 1e-9 * plain.norm());
+}
+
+TEST(NonNegativeLeastSquares, RefusesNumbersThatAreNone) {
+  const Problem problem = random_problem(7, 20, 4);
+  Eigen::MatrixXd gram = problem.gram();
+  gram(2, 2) = std::numeric_limits<double>::infinity();
+  EXPECT_THROW((void)solve_nnls(gram, problem.rhs()), NumericalError);
+  Eigen::VectorXd rhs = problem.rhs();
+  rhs(1) = std::nan("");
+  EXPECT_THROW((void)solve_nnls(problem.gram(), rhs), NumericalError);
+}
+
+TEST(NonNegativeLeastSquares, ReachesTheSameOptimumFromAnyStart) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const Problem problem = random_problem(seed, 30, 20);
+    const NnlsSolution cold = solve_nnls(problem.gram(), problem.rhs());
+    const NnlsSolution warm = solve_nnls(problem.gram(), problem.rhs(), cold.free);
+    const NnlsSolution odd = solve_nnls(problem.gram(), problem.rhs(), {0, 3, 5, 7, 11, 19});
+    EXPECT_EQ(warm.iterations, 0);
+    EXPECT_LT((warm.x - cold.x).norm(), 1e-9 * cold.x.norm());
+    EXPECT_LT((odd.x - cold.x).norm(), 1e-9 * cold.x.norm());
+  }
 }
 
 TEST(KktResidual, SeesAPointThatIsNotOptimal) {
