@@ -8,7 +8,7 @@ namespace grouser {
 
 /// Fills responses, backbone, tangent and preset of an axis: values by the fitted law, 95 % intervals by the draws, of
 /// which every quantity is computed as the simulator would show it. All intervals come from the same draws:
-///   half width = 1.96 sqrt(n / (n - 6) * variance of the draws about their mean),  n tests (I 2),
+///   half width = 1.96 sqrt(n / (n - 3) * variance of the draws about their mean),  n tests,
 /// about the mean of the draws, which is closer to the truth than any one law, and widened on the side of the fitted
 /// law's value where that lies outside.
 /// The backbone is known up to a constant, since every test has its own force zero: its intervals are those of its

@@ -9,7 +9,9 @@ namespace {
 
 constexpr double k_better_than_cubic = 0.5;  // rms error of the pieces over that of a cubic
 constexpr double k_stiffness_ratio = 4.0;
-constexpr int k_finer = 8;  // breaks are searched at the stations, then so much finer
+constexpr double k_corner = 0.1;        // of the range: a shorter piece in the middle is a corner that rubber rounds
+constexpr double k_least_ratio = 1e-3;  // soft over stiff: an infinity is no ratio
+constexpr int k_finer = 8;              // breaks are searched at the stations, then so much finer
 
 struct Curve {
   Eigen::VectorXd x, force;
@@ -62,6 +64,13 @@ double cubic_error(const Curve& curve) {
   return squared_error(columns, curve.force, c);
 }
 
+// A stop where two neighbouring pieces differ enough.
+void add_stop(AxisFit& fit, double at, double one, double other) {
+  const double soft = std::min(one, other), stiff = std::max(one, other);
+  if (stiff <= k_stiffness_ratio * soft) return;
+  fit.hard_stops.push_back({at, stiff / std::max(soft, k_least_ratio * stiff)});
+}
+
 }  // namespace
 
 void find_joint_limits(AxisFit& fit) {
@@ -76,14 +85,18 @@ void find_joint_limits(AxisFit& fit) {
   if (!(pieces.squared_error < k_better_than_cubic * k_better_than_cubic * cubic_error(curve))) return;
 
   const double before = pieces.slope(0), inside = pieces.slope(1), after = pieces.slope(2);
-  const double range = curve.x(n - 1) - curve.x(0), least = 1e-3 * std::max(before, after);  // a ratio, not an infinity
-  const bool stiff_before = before > k_stiffness_ratio * inside, stiff_after = after > k_stiffness_ratio * inside;
-  if (stiff_before && stiff_after && pieces.second - pieces.first < 0.5 * range) {
+  const double range = curve.x(n - 1) - curve.x(0), width = pieces.second - pieces.first;
+  if (width < k_corner * range && (before < inside) == (inside < after)) {  // one corner, rounded
+    const double at = (before * pieces.first + inside * width - after * pieces.second) / (before - after);
+    add_stop(fit, at, before, after);
+    return;
+  }
+  if (width < 0.5 * range && std::min(before, after) > k_stiffness_ratio * inside) {
     fit.clearance = Clearance{pieces.first, pieces.second, std::max(inside, 0.0) / std::min(before, after)};
     return;
   }
-  if (stiff_before) fit.hard_stops.push_back({pieces.first, before / std::max(inside, least)});
-  if (stiff_after) fit.hard_stops.push_back({pieces.second, after / std::max(inside, least)});
+  add_stop(fit, pieces.first, before, inside);
+  add_stop(fit, pieces.second, inside, after);
 }
 
 }  // namespace grouser

@@ -135,6 +135,25 @@ void state_limits(const AxisData& data, AxisFit& fit) {
   }
 }
 
+// Scatter of the tests' gains: rms of the fraction by which each test's force is larger than the law's, weighted by the
+// test's say.
+double gain_scatter(const AxisData& data, const AxisSolution& solution) {
+  const Eigen::VectorXd& c = solution.coefficients;
+  double squared = 0.0, weights = 0.0;
+  for (const std::vector<std::size_t>& test : replicates(data)) {
+    double measured = 0.0, fitted = 0.0;
+    for (const std::size_t block : test) {
+      const Eigen::MatrixXd& moments = solution.moments[block];
+      measured += c.dot(moments.col(moments.cols() - 1).head(c.size()));
+      fitted += c.dot(moments.topLeftCorner(c.size(), c.size()) * c);
+    }
+    const double gain = fitted > 0.0 ? measured / fitted - 1.0 : 0.0, weight = data.blocks[test.front()].robust_weight;
+    squared += weight * gain * gain;
+    weights += weight;
+  }
+  return weights > 0.0 ? std::sqrt(squared / weights) : 0.0;
+}
+
 }  // namespace
 
 std::vector<AxisLaw> estimate_uncertainty(const AxisData& data, const AxisSolution& solution, const AxisLaw& law,
@@ -143,7 +162,8 @@ std::vector<AxisLaw> estimate_uncertainty(const AxisData& data, const AxisSoluti
   estimate_parameters(solution, fit);
   set_intervals(fit);
   state_limits(data, fit);
-  std::vector<AxisLaw> draws = draw_laws(data, solution.dictionary, k_seed + static_cast<unsigned>(index_of(fit.axis)));
+  std::vector<AxisLaw> draws = draw_laws(data, solution.dictionary, gain_scatter(data, solution),
+                                         k_seed + static_cast<unsigned>(index_of(fit.axis)));
   state_intervals(data, law, draws, fit);
   for (AxisLaw& draw : draws) draw.valid = law.valid;
   return draws;

@@ -220,6 +220,17 @@ std::vector<AxisCampaign> reference_campaign(std::uint64_t seed) {
   return all;
 }
 
+AxisCampaign large_torsion_campaign(bool with_stop, std::uint64_t seed) {
+  AxisCampaign ry = make_axis(Axis::ry, 1600.0, 45.0 * k_degree, 1.2e3, 0.01 * k_degree, seed);
+  if (with_stop) {
+    ry.rubber.hard_stop = 52.0 * k_degree;
+    ry.rubber.hard_stop_stiffness = 9.0 * 1600.0;
+  }
+  add_ramp(ry, 60.0 * k_degree, 2.0 * k_degree);
+  add_loops(ry, {5.0, 20.0, 46.0}, {0.1, 1.0, 5.0}, k_degree, "deg", 14.0 * k_degree);
+  return ry;
+}
+
 GeneratedTest run_test(const AxisCampaign& campaign, const PlannedTest& plan, std::uint64_t seed) {
   GeneratedTest test;
   test.plan = plan;

@@ -59,6 +59,10 @@ struct AxisCampaign {
 /// The reference campaign: the paper's static test and loops on every axis.
 [[nodiscard]] std::vector<AxisCampaign> reference_campaign(std::uint64_t seed = k_campaign_seed);
 
+/// The hinge turned as far as a track throws it: a ramp to +-60 degrees, and loops about the preset of 14 degrees that
+/// reach 60, against a metal stop at 52 degrees (ten times the hinge's stiffness beyond) when asked for.
+[[nodiscard]] AxisCampaign large_torsion_campaign(bool with_stop, std::uint64_t seed = k_campaign_seed);
+
 /// Runs one test. The random numbers depend on seed and test name alone, so tests can be made in any order.
 [[nodiscard]] GeneratedTest run_test(const AxisCampaign& campaign, const PlannedTest& plan,
                                      std::uint64_t seed = k_campaign_seed);

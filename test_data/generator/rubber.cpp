@@ -1,5 +1,6 @@
 #include "test_data/generator/rubber.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -38,6 +39,13 @@ std::vector<MaxwellBranch> TrueRubber::springpot_series() const {
     series.push_back({scale * std::pow(time, -springpot_order) * spacing, time});
   }
   return series;
+}
+
+double TrueRubber::elastic(double x) const {
+  const double stretch = clearance > 0.0 ? std::copysign(std::max(std::abs(x) - clearance, 0.0), x) : x;
+  const double force = (k1 + k3 * stretch * stretch) * stretch;
+  if (hard_stop_stiffness == 0.0 || std::abs(x) <= hard_stop) return force;
+  return force + std::copysign(hard_stop_stiffness * (std::abs(x) - hard_stop), x);
 }
 
 TrueRubber make_rubber(double stiffness, double stroke, std::uint64_t seed) {
