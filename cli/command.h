@@ -13,6 +13,7 @@ struct Command {
 };
 
 [[nodiscard]] Command add_identify(CLI::App& root);
+[[nodiscard]] Command add_rig(CLI::App& root);
 [[nodiscard]] Command add_simulate(CLI::App& root);
 [[nodiscard]] Command add_render(CLI::App& root);
 [[nodiscard]] Command add_plot(CLI::App& root);

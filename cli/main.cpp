@@ -45,8 +45,9 @@ int main(int argc, char** argv) {
   CLI::App root{"Rubber-bushed track: from test rig to vehicle dynamics.", "grouser"};
   CommonOptions common;
   add_common(root, common);
-  const std::vector<Command> commands{add_identify(root), add_simulate(root), add_render(root), add_plot(root),
-                                      add_report(root),   add_export(root),   add_check(root),  add_demo(root)};
+  const std::vector<Command> commands{add_identify(root), add_rig(root),   add_simulate(root),
+                                      add_render(root),   add_plot(root),  add_report(root),
+                                      add_export(root),   add_check(root), add_demo(root)};
   for (const Command& command : commands) add_common(*command.app, common);
   root.require_subcommand(1);
   root.footer(

@@ -5,6 +5,7 @@
 
 #include "cli/result.h"
 #include "identification/identify.h"
+#include "model/replay.h"
 #include "model/run.h"
 #include "render/render.h"
 
@@ -14,6 +15,10 @@ namespace grouser::cli {
 /// rig.json -> folder/bushing.json, fit.json, report.html, report.json.
 [[nodiscard]] IdentifyResult identify_into(const std::filesystem::path& rig_file, const std::filesystem::path& folder,
                                            int threads, const Progress& progress);
+
+/// rig.json and bushing.json -> folder/rig.json with its CSV files, replay.json, report.html, report.json.
+ReplayRecord rig_into(const std::filesystem::path& rig_file, const std::filesystem::path& bushing_file,
+                      const std::filesystem::path& folder, const Progress& progress);
 
 /// What `grouser simulate` was asked to drive.
 struct SimulateRequest {

@@ -2,6 +2,7 @@
 
 #include "model/file_json.h"
 #include "model/fit.h"
+#include "model/replay.h"
 #include "model/rig.h"
 #include "model/run.h"
 
@@ -35,6 +36,11 @@ std::string check_fit(const std::filesystem::path& file) {
   return "fit of " + fit.specimen + ", " + count(fit.tests.size(), "test");
 }
 
+std::string check_replay(const std::filesystem::path& file) {
+  const ReplayRecord replay = read_replay(file);
+  return "replay on the bushing " + replay.bushing + ", " + count(replay.tests.size(), "test");
+}
+
 std::string check_vehicle(const std::filesystem::path& file) {
   const Vehicle vehicle = read_vehicle(file);
   const RunningGear& left = vehicle.side(Side::left);
@@ -56,9 +62,10 @@ struct Kind {
   const char* format;
   std::string (*check)(const std::filesystem::path&);
 };
-constexpr Kind k_kinds[] = {{k_rig_format, check_rig},           {k_bushing_format, check_bushing},
-                            {k_fit_format, check_fit},           {k_vehicle_format, check_vehicle},
-                            {k_scenario_format, check_scenario}, {k_run_format, check_run}};
+constexpr Kind k_kinds[] = {{k_rig_format, check_rig},         {k_bushing_format, check_bushing},
+                            {k_fit_format, check_fit},         {k_replay_format, check_replay},
+                            {k_vehicle_format, check_vehicle}, {k_scenario_format, check_scenario},
+                            {k_run_format, check_run}};
 
 /// The file's `format`; throws InputError when it has no readable one.
 std::string format_of(const std::filesystem::path& file) {

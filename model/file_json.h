@@ -2,6 +2,7 @@
 #include <filesystem>
 
 #include "model/bushing.h"
+#include "model/fit.h"
 #include "model/json_reader.h"
 #include "model/provenance.h"
 #include "model/scenario.h"
@@ -12,6 +13,7 @@ namespace grouser {
 
 inline constexpr const char* k_bushing_format = "grouser.bushing/1";
 inline constexpr const char* k_fit_format = "grouser.fit/1";
+inline constexpr const char* k_replay_format = "grouser.replay/1";
 inline constexpr const char* k_rig_format = "grouser.rig/1";
 inline constexpr const char* k_run_format = "grouser.run/1";
 inline constexpr const char* k_scenario_format = "grouser.scenario/1";
@@ -26,6 +28,10 @@ inline constexpr const char* k_vehicle_format = "grouser.vehicle/1";
                                                  const std::string& bytes);
 
 [[nodiscard]] Bushing read_bushing(ObjectReader& reader);
+
+/// One entry of `tests[]` in fit.json and in replay.json.
+[[nodiscard]] Json test_fit_json(const TestFit& test);
+[[nodiscard]] TestFit read_test_fit(ObjectReader& reader);
 
 /// Puts in place of `"mirror": "left"` what it stands for: the other side with y reversed, and the given keys on top.
 /// Returns the side that was filled in ("right"), empty when there is none; what is wrong is left for the reader to

@@ -90,7 +90,9 @@ CycleFit read_cycle(ObjectReader& r, const FitKeys& keys) {
   return cycle;
 }
 
-Json test_json(const TestFit& test) {
+}  // namespace
+
+Json test_fit_json(const TestFit& test) {
   const FitKeys& keys = keys_of(test.axis);
   Json json{{"name", test.name},
             {"axis", name_of(test.axis)},
@@ -117,12 +119,16 @@ Json test_json(const TestFit& test) {
   return json;
 }
 
+namespace {
+
 Axis read_axis_name(ObjectReader& r) {
   return r.choice<Axis>(
       "axis", {{"x", Axis::x}, {"y", Axis::y}, {"z", Axis::z}, {"rx", Axis::rx}, {"ry", Axis::ry}, {"rz", Axis::rz}});
 }
 
-TestFit read_test(ObjectReader& r) {
+}  // namespace
+
+TestFit read_test_fit(ObjectReader& r) {
   TestFit test;
   test.name = r.text("name");
   test.axis = read_axis_name(r);
@@ -150,6 +156,8 @@ TestFit read_test(ObjectReader& r) {
   });
   return test;
 }
+
+namespace {
 
 Json band_json(const std::vector<BandPoint>& band, const FitKeys& keys, const std::string& quantity) {
   Json x = Json::array(), value = Json::array(), low = Json::array(), high = Json::array();
@@ -344,7 +352,7 @@ FitRecord read_record(ObjectReader& r) {
   fit.synthetic = r.boolean_or("synthetic", false);
   fit.synthetic_note = r.text_or("synthetic_note", "");
   fit.calibration_residual = number_or_null(r, "calibration_residual");
-  r.each("tests", 0, [&](ObjectReader& t) { fit.tests.push_back(read_test(t)); });
+  r.each("tests", 0, [&](ObjectReader& t) { fit.tests.push_back(read_test_fit(t)); });
   r.object("axes", [&](ObjectReader& axes) {
     for (int i = 0; i < k_num_axes; ++i) {
       const Axis axis = static_cast<Axis>(i);
@@ -371,7 +379,7 @@ FitRecord read_fit(const std::filesystem::path& file) {
 
 void write_fit(const FitRecord& fit, const std::filesystem::path& file) {
   Json tests = Json::array(), axes = Json::object(), warnings = Json::array(), corrections = Json::array();
-  for (const TestFit& test : fit.tests) tests.push_back(test_json(test));
+  for (const TestFit& test : fit.tests) tests.push_back(test_fit_json(test));
   for (const AxisFit& axis : fit.axes) axes[name_of(axis.axis)] = axis_json(axis);
   for (const FitWarning& w : fit.warnings) {
     warnings.push_back(Json{{"code", w.code}, {"test", w.test}, {"text", w.text}});

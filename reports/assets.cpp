@@ -8,6 +8,8 @@
 GROUSER_ASSET(asset_report_mustache);
 GROUSER_ASSET(asset_run_mustache);
 GROUSER_ASSET(asset_fit_mustache);
+GROUSER_ASSET(asset_checks_mustache);
+GROUSER_ASSET(asset_notes_mustache);
 GROUSER_ASSET(asset_tests_mustache);
 GROUSER_ASSET(asset_figure_mustache);
 GROUSER_ASSET(asset_provenance_mustache);
@@ -31,10 +33,12 @@ struct Template {
   const char* begin;
   const char* end;
 };
-const std::array<Template, 7> k_templates{{
+const std::array<Template, 9> k_templates{{
     {"report", asset_report_mustache_begin, asset_report_mustache_end},
     {"run", asset_run_mustache_begin, asset_run_mustache_end},
     {"fit", asset_fit_mustache_begin, asset_fit_mustache_end},
+    {"checks", asset_checks_mustache_begin, asset_checks_mustache_end},
+    {"notes", asset_notes_mustache_begin, asset_notes_mustache_end},
     {"tests", asset_tests_mustache_begin, asset_tests_mustache_end},
     {"figure", asset_figure_mustache_begin, asset_figure_mustache_end},
     {"provenance", asset_provenance_mustache_begin, asset_provenance_mustache_end},

@@ -263,6 +263,7 @@ json figure_block(const Figure& figure, const std::string& id) {
   block["tiled"] = tiled;
   if (tiled) {
     block["tiles"] = tile_facts(figure);
+    block["many"] = figure.panels.size() > 4;
     block["tile_width"] = figure.width / std::max(1, figure.columns);
     block["legend"] = share_legend(figure) ? legend_facts(figure.panels) : json::array();
     return block;

@@ -170,7 +170,7 @@ Grid grid_of(const AxisFit& axis, const std::vector<const TestFit*>& tests) {
       const auto exact = [](double value) { return Interval{value, value, value}; };
       const LoopMeasures& law = loop.fitted;
       grid.cells.push_back({loop.amplitude, loop.frequency, exact(law.dissipated_energy), exact(stiffness_of(law)),
-                            exact(law.loss_stiffness), exact(law.loss_factor)});
+                            exact(law.loss_stiffness), exact(loss_factor_of(law))});
     }
   return with_levels(std::move(grid));
 }
@@ -182,11 +182,14 @@ bool varies(const Grid& grid, Over over) {
   return (over == Over::frequency ? grid.frequencies : grid.amplitudes).size() > 1;
 }
 
+/// The level as it was asked of the rig: two digits.
+std::string level_text(double level) { return number_text(std::stod(fmt::format("{:.1e}", level)), 2); }
+
 std::string group_name(const Grid& grid, Over over, std::size_t group) {
   if (over == Over::frequency)
-    return number_text(units_of(grid.axis).displacement_scale * grid.amplitudes[group], 2) + " " +
+    return level_text(units_of(grid.axis).displacement_scale * grid.amplitudes[group]) + " " +
            units_of(grid.axis).displacement;
-  return grid.frequencies[group] > 0.0 ? number_text(grid.frequencies[group], 2) + " Hz" : "rate unknown";
+  return grid.frequencies[group] > 0.0 ? level_text(grid.frequencies[group]) + " Hz" : "rate unknown";
 }
 
 /// Places of one curve along the axis of the plot, and the cells or loops that stand there.
@@ -289,8 +292,7 @@ std::optional<Figure> figure_stiffness(const AxisFit& axis, const std::vector<co
   const AxisUnits units = units_of(axis.axis);
   const Quantity stiffness{"Stiffness [" + units.stiffness + "]", units.stiffness_scale,
                            &ResponsePoint::storage_stiffness, stiffness_of};
-  const Quantity loss{"Loss factor [1]", 1.0, &ResponsePoint::loss_factor,
-                      [](const LoopMeasures& loop) { return loop.loss_factor; }};
+  const Quantity loss{"Loss factor [1]", 1.0, &ResponsePoint::loss_factor, loss_factor_of};
   std::vector<Panel> panels;
   for (const Over over : {Over::frequency, Over::amplitude})
     if (varies(grid, over))
@@ -345,7 +347,7 @@ std::optional<Figure> figure_gain(const std::vector<const TestFit*>& tests) {
   }
   if (panels.empty()) return std::nullopt;
   return multiples(std::string("gain_") + name_of(grid.axis), "Gain residual of each test",
-                   "By how much the measured force of a test is larger than the law's as a whole. A trend over "
+                   "By how much the measured force of a test is larger than the law’s as a whole. A trend over "
                    "frequency says that a Maxwell branch is missing, one over amplitude that a friction stop is; "
                    "scatter is remounting of the specimen.",
                    std::move(panels), k_wide_tile_width, 240, 2);

@@ -11,7 +11,6 @@
 #include "reports/loop_points.h"
 #include "reports/number_text.h"
 #include "reports/pages.h"
-#include "reports/remedies.h"
 #include "reports/test_blocks.h"
 
 namespace grouser {
@@ -27,42 +26,6 @@ long count_used(const FitRecord& fit) {
 
 json count_row(const std::string& label, long value) {
   return {{"label", label}, {"value", value}, {"text", count_text(value)}};
-}
-
-// ------------------------------------------------------------------------------------- warnings and corrections
-
-std::string where(const std::string& test) { return test.empty() ? "whole campaign" : test; }
-
-/// Warnings of one code together, in the order in which the codes first appear: the remedy is said once.
-json warning_facts(const FitRecord& fit) {
-  json groups = json::array();
-  for (const FitWarning& warning : fit.warnings) {
-    auto group = std::ranges::find_if(groups, [&](const json& g) { return g["code"] == warning.code; });
-    if (group == groups.end()) {
-      const Remedy remedy = remedy_of(warning.code);
-      groups.push_back({{"code", warning.code},
-                        {"title", remedy.title},
-                        {"action", remedy.action},
-                        {"correction", remedy.correction},
-                        {"evidence", json::array()}});
-      group = std::prev(groups.end());
-    }
-    (*group)["evidence"].push_back({{"test", where(warning.test)}, {"text", warning.text}});
-  }
-  constexpr std::size_t k_open = 4;  // more are folded away
-  for (json& group : groups) {
-    const std::size_t count = group["evidence"].size();
-    group["folded"] = count > k_open;
-    group["count"] = fmt::format("{} {}", count, count == 1 ? "warning" : "warnings");
-  }
-  return groups;
-}
-
-json correction_facts(const FitRecord& fit) {
-  json rows = json::array();
-  for (const AppliedCorrection& correction : fit.corrections)
-    rows.push_back({{"code", correction.code}, {"test", where(correction.test)}, {"text", correction.text}});
-  return rows;
 }
 
 // ------------------------------------------------------------------------------------------------------ an axis
@@ -320,9 +283,9 @@ json fit_facts(const FitFolder& folder, const std::string& id, int level) {
     facts["synthetic"].push_back(fit.synthetic_note.empty() ? "The rig data are generated, not measured."
                                                             : fit.synthetic_note);
   facts["is_synthetic"] = fit.synthetic;
-  facts["warnings"] = warning_facts(fit);
+  facts["warnings"] = warning_facts(fit.warnings);
   facts["has_warnings"] = !fit.warnings.empty();
-  facts["corrections"] = correction_facts(fit);
+  facts["corrections"] = correction_facts(fit.corrections);
   facts["has_corrections"] = !fit.corrections.empty();
   facts["axes"] = json::array();
   for (const AxisFit& axis : fit.axes) facts["axes"].push_back(axis_facts(folder, axis, id));

@@ -48,6 +48,10 @@ double stiffness_of(const LoopMeasures& measures) {
   return measures.storage_stiffness > 0.0 ? measures.storage_stiffness : measures.effective_stiffness;
 }
 
+double loss_factor_of(const LoopMeasures& measures) {
+  return measures.storage_stiffness > 0.0 ? measures.loss_stiffness / measures.storage_stiffness : measures.loss_factor;
+}
+
 std::vector<LoopPoint> loop_points(const std::vector<const TestFit*>& tests) {
   std::vector<LoopPoint> points;
   for (const TestFit* test : tests) {

@@ -14,6 +14,9 @@ namespace grouser {
 /// Storage stiffness where the force was read over a known frequency, else force range over displacement range.
 [[nodiscard]] double stiffness_of(const LoopMeasures& measures);
 
+/// Loss over storage stiffness where both are known, else loop area over that of the equivalent elastic ellipse.
+[[nodiscard]] double loss_factor_of(const LoopMeasures& measures);
+
 /// Mean of the used cycles of one amplitude of a cyclic test; most tests have one amplitude.
 struct LoopPoint {
   const TestFit* test = nullptr;

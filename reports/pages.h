@@ -32,6 +32,9 @@ struct FitFolder {
 [[nodiscard]] nlohmann::json fit_verdict(const FitRecord& fit);
 /// The few numbers of a fit that a reader looks for first.
 [[nodiscard]] nlohmann::json fit_headline(const FitRecord& fit);
+/// Warnings of one code together, with what to do about them, in the order in which the codes first appear.
+[[nodiscard]] nlohmann::json warning_facts(const std::vector<FitWarning>& warnings);
+[[nodiscard]] nlohmann::json correction_facts(const std::vector<AppliedCorrection>& corrections);
 /// {pass, partial, text} of a run; `partial` is always false.
 [[nodiscard]] nlohmann::json run_verdict(const RunSummary& summary);
 /// The few numbers of a run that a reader looks for first.

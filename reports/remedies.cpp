@@ -13,7 +13,7 @@ struct Entry {
   const char* correction;
 };
 
-constexpr std::array<Entry, 22> k_entries{{
+constexpr std::array<Entry, 23> k_entries{{
     {"drift", "A zero wanders during the test",
      "A straight drift of the force is taken out in the fit and listed with the test. Let the amplifiers warm up and "
      "zero them before each test; where the specimen creeps, ask for the correction.",
@@ -62,6 +62,8 @@ constexpr std::array<Entry, 22> k_entries{{
      "State frequency_Hz or rate_mm_per_min, or record the time: without them the law knows no rate.", ""},
     {"open_ramp", "A ramp does not come back", "Record the unloading too: it separates friction from stiffness.", ""},
     {"unusable_test", "The test cannot be used", "See the evidence; the test did not enter the fit.", ""},
+    {"outside_valid_range", "The motion leaves the range in which the law was identified",
+     "Nothing is known of the rubber there; test it there, or do not trust the response.", ""},
     {"axis_without_test", "An axis was not tested",
      "Test it, or take its law from another source: a track needs all six.", ""},
 }};

@@ -18,7 +18,7 @@ struct FigureEntry {
 /// Throws InputError for an unknown name.
 [[nodiscard]] Figure make_run_figure(const RunFolder& run, const std::string& name);
 
-/// One HTML file (and the same numbers in a .json beside it) over fit folders and run folders in any mix.
+/// One HTML file (and the same numbers in a .json beside it) over fit, virtual rig and run folders in any mix.
 /// Uses DIR/film.mp4 of a run folder when it is there. Written whole or not at all.
 void write_report(const std::vector<std::filesystem::path>& folders, const std::filesystem::path& html_file);
 

@@ -259,7 +259,7 @@ TEST_F(FitPages, AStaticTestAloneMakesAPage) {
   fit.corrections.clear();
   write_fit(fit, folder_ / "identification" / "fit.json");
   const std::string text = visible_text(report({"identification"}));
-  EXPECT_THAT(text, HasSubstr("the fit saw the data as the rig file gives them"));
+  EXPECT_THAT(text, HasSubstr("the data were taken as the rig file gives them"));
   for (const char* absent :
        {"Energy over amplitude", "Gain residual", "Bushings as likely", "Widest 95 % interval of energy"})
     EXPECT_THAT(text, Not(HasSubstr(absent)));
