@@ -27,10 +27,11 @@ class BlockAccumulator {
       : block_(&block),
         basis_(&dictionary.spring),
         width_(k_first_column + num_columns + 1),
+        padded_((width_ + k_lanes - 1) / k_lanes * k_lanes),
         dense_(Eigen::MatrixXd::Zero(width_, width_)),
-        cross_(RowMatrix::Zero(basis_->num_bsplines(), width_)),
+        cross_(RowMatrix::Zero(basis_->num_bsplines(), padded_)),
         band_(RowMatrix::Zero(basis_->num_bsplines(), 4)),
-        buffer_(k_buffered_rows, width_),
+        buffer_(RowMatrix::Zero(k_buffered_rows, padded_)),
         shift_(block.test->force[block.cycles.front().begin]),
         pivot_(basis_->local(block.test->displacement[block.cycles.front().begin]).first) {}
 
@@ -58,7 +59,7 @@ class BlockAccumulator {
       put(history.by_growth());
     }
     row(at) = test.force[i] - shift_;
-    add_spring(test.displacement[i], row);
+    add_spring(test.displacement[i], row.data());
     if (used_ == k_buffered_rows) flush();
   }
 
@@ -85,6 +86,7 @@ class BlockAccumulator {
 
  private:
   static constexpr Eigen::Index k_first_column = 3;
+  static constexpr Eigen::Index k_lanes = 8;  // rows are padded to whole vectors
 
   // Trapezoid rule over each closed cycle: area = sum of (x[i+1] - x[i-1]) / 2 * value[i], neighbours cyclic.
   [[nodiscard]] double share_of_area(std::size_t i) const {
@@ -98,20 +100,21 @@ class BlockAccumulator {
     return share;
   }
 
-  template <typename Row>
-  void add_spring(double x, const Row& row) {
+  void add_spring(double x, const double* __restrict row) {
     const MonotoneBasis::Local here = basis_->local(x);
     for (int k = 0; k < 4; ++k) {
       const double value = here.value[static_cast<std::size_t>(k)];
-      cross_.row(here.first + k) += value * row;
-      for (int l = k; l < 4; ++l) {
-        band_(here.first + k, l - k) += value * here.value[static_cast<std::size_t>(l)];
+      double* __restrict sums = &cross_(here.first + k, 0);
+      for (Eigen::Index lane = 0; lane < padded_; lane += k_lanes) {
+        for (Eigen::Index j = 0; j < k_lanes; ++j) sums[lane + j] += value * row[lane + j];
       }
+      double* __restrict band = &band_(here.first + k, 0);
+      for (int l = k; l < 4; ++l) band[l - k] += value * here.value[static_cast<std::size_t>(l)];
     }
   }
 
   void flush() {
-    dense_.selfadjointView<Eigen::Lower>().rankUpdate(buffer_.topRows(used_).transpose());
+    dense_.selfadjointView<Eigen::Lower>().rankUpdate(buffer_.topLeftCorner(used_, width_).transpose());
     used_ = 0;
   }
 
@@ -123,7 +126,8 @@ class BlockAccumulator {
     for (Eigen::Index k = 0; k < n; ++k) {
       for (Eigen::Index l = k; l < std::min(k + 4, n); ++l) spring(k, l) = spring(l, k) = band_(k, l - k);
     }
-    const Eigen::MatrixXd half = basis_->of_increments(spring, pivot_), cross = basis_->of_increments(cross_, pivot_);
+    const Eigen::MatrixXd half = basis_->of_increments(spring, pivot_),
+                          cross = basis_->of_increments(cross_.leftCols(width_), pivot_);
     const Eigen::MatrixXd dense = dense_.selfadjointView<Eigen::Lower>();
     const Eigen::Index tail = width_ - k_first_column;
     Eigen::MatrixXd all(width_ + springs, width_ + springs);
@@ -141,7 +145,7 @@ class BlockAccumulator {
 
   const DataBlock* block_;
   const MonotoneBasis* basis_;
-  Eigen::Index width_;
+  Eigen::Index width_, padded_;
   Eigen::MatrixXd dense_;
   RowMatrix cross_, band_, buffer_;
   double shift_;

@@ -21,7 +21,8 @@ constexpr double k_perturbation = 1.5;
 // Growth of the cost that the fit does not notice. The left-out error cannot judge what one test alone shows (its
 // stroke, a stop at its end): there the fit itself decides.
 constexpr double k_unnoticed = 0.1;
-constexpr double k_first_growth = 0.3;  // of the yields at the largest displacement: near the law without growth
+constexpr double k_worth = 0.2;                       // least part of the cost that one element more must take away
+constexpr std::array k_first_growths{0.3, 1.0, 3.0};  // of the yields at the largest displacement
 
 struct Element {
   double place = 0.0, stiffness = 0.0;  // yield or relaxation time
@@ -74,10 +75,10 @@ struct Candidate {
   [[nodiscard]] std::size_t branches() const { return law.dictionary.relaxation_times.size(); }
 };
 
-// What costs more in every step of a run must predict better and be noticed by the fit.
+// What costs more in every step of a run must explain a good part of what the law left unexplained, and must not
+// predict clearly worse.
 bool pays(const Candidate& more, const Candidate& less) {
-  return left_out_error(more.left_out) < left_out_error(less.left_out) &&
-         less.cost() > (1.0 + k_unnoticed) * more.cost();
+  return more.cost() < (1.0 - k_worth) * less.cost() && !clearly_worse(more.left_out, less.left_out);
 }
 
 class Search {
@@ -98,26 +99,31 @@ class Search {
   }
 
  private:
+  // A dictionary as it stands: its coefficients alone are fitted.
+  struct Trial {
+    Dictionary dictionary;
+    Eigen::VectorXd coefficients;
+    double cost = 0.0;
+    LeftOut left_out;
+  };
+  Trial attempt(const Dictionary& dictionary) {
+    const std::vector<BlockMoments> blocks = split_moments(*data_, dictionary, false);
+    Eigen::MatrixXd sum = sum_of(blocks);
+    regularise(sum, dictionary);
+    const int n = dictionary.num_linear();
+    const NnlsSolution fit = solve_nnls(sum.topLeftCorner(n, n), sum.col(n).head(n));
+    LeftOut left_out = leave_one_out(*data_, dictionary, blocks, fit.free);
+    note(dictionary, left_out);
+    return {dictionary, fit.x, sum(n, n) - fit.x.dot(sum.col(n).head(n)), std::move(left_out)};
+  }
+
   // With all elements at hand, so that the spring need not imitate them.
   void choose_spring() {
-    struct Trial {
-      Dictionary dictionary;
-      Eigen::VectorXd coefficients;
-      double cost = 0.0;
-      LeftOut left_out;
-    };
     std::vector<Trial> trials;
     for (const int intervals : k_spring_intervals) {
       Dictionary dictionary = full_;
       dictionary.spring = MonotoneBasis(data_->low, data_->high, intervals, data_->symmetry);
-      const std::vector<BlockMoments> blocks = split_moments(*data_, dictionary, false);
-      Eigen::MatrixXd sum = sum_of(blocks);
-      regularise(sum, dictionary);
-      const int n = dictionary.num_linear();
-      const NnlsSolution fit = solve_nnls(sum.topLeftCorner(n, n), sum.col(n).head(n));
-      LeftOut left_out = leave_one_out(*data_, dictionary, blocks, fit.free);
-      note(dictionary, left_out);
-      trials.push_back({std::move(dictionary), fit.x, sum(n, n) - fit.x.dot(sum.col(n).head(n)), std::move(left_out)});
+      trials.push_back(attempt(dictionary));
     }
     const LeftOut best =
         std::ranges::min(trials, {}, [](const Trial& t) { return left_out_error(t.left_out); }).left_out;
@@ -213,12 +219,19 @@ class Search {
     }
   }
 
-  // The same size with yields that grow, when that pays.
+  // With yields that grow, when that pays. The growth to start from is searched with all elements at hand: yields that
+  // were found without growth imitate it, and the search would not leave them.
   std::optional<Candidate> with_growth(const Candidate& plain) {
     if (plain.stops() == 0) return {};
-    Dictionary start = plain.law.dictionary;
-    start.yield_growth = k_first_growth / std::pow(std::max(std::abs(data_->low), std::abs(data_->high)), 2);
-    Candidate growing = refine(start);
+    const double reach = std::max(std::abs(data_->low), std::abs(data_->high));
+    std::vector<Trial> trials;
+    for (const double growth : k_first_growths) {
+      Dictionary dictionary = full_;
+      dictionary.yield_growth = growth / (reach * reach);
+      trials.push_back(attempt(dictionary));
+    }
+    const Trial best = std::ranges::min(trials, {}, &Trial::cost);
+    Candidate growing = refine(condense(best.dictionary, best.coefficients, plain.stops(), plain.branches()));
     if (!pays(growing, plain)) return {};
     return growing;
   }

@@ -17,7 +17,8 @@ struct LawChoice {
 
 /// Chooses numbers of spring intervals, stops and branches and whether yields grow, by leave-one-out error: the fewest
 /// elements that do not predict clearly worse than the best (see clearly_worse) and whose fit is not more than 10 %
-/// costlier. `data` should be thin(): every size is searched on it.
+/// costlier. More than 4 stops or branches, or growth, must take away a fifth of the cost. `data` should be thin():
+/// every size is searched on it.
 [[nodiscard]] LawChoice choose_law(const AxisData& data, const PolishOptions& options = {});
 
 /// The dictionary without elements of less than 0.1 % of the stiffness of their kind, the others ascending.

@@ -33,7 +33,7 @@ class TestThinner {
   TestThinner(const PreparedTest& test, const std::vector<CycleSpan>& cycles) : test_(&test) {
     std::size_t shortest = test.displacement.size();
     for (const CycleSpan& span : cycles) shortest = std::min(shortest, span.end - span.begin);
-    const std::size_t stride = std::max<std::size_t>(shortest / k_samples_per_cycle, 1);
+    const std::size_t stride = std::max<std::size_t>((shortest + k_samples_per_cycle / 2) / k_samples_per_cycle, 1);
     const CycleSpan first = cycles.front();
     std::size_t at = first.begin - std::min(first.begin, k_cycles_of_history * (first.end - first.begin));
     for (const CycleSpan& span : cycles) {
@@ -71,7 +71,10 @@ ThinAxis thin(const AxisData& data) {
   result.data = data;
   std::map<const PreparedTest*, std::vector<CycleSpan>> cycles;
   for (DataBlock& block : result.data.blocks) {
-    if (block.cycles.size() > 2) block.cycles = {block.cycles.front(), block.cycles.back()};
+    if (const std::size_t count = block.cycles.size(); count > 2) {
+      const std::size_t middle = (count - 1) / 2;  // as conditioned as the mean of all
+      block.cycles = {block.cycles[middle], block.cycles[middle + 1]};
+    }
     std::ranges::copy(block.cycles, std::back_inserter(cycles[block.test]));
   }
   const PreparedTest* whole = nullptr;
