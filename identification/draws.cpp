@@ -62,13 +62,14 @@ Grid make_grid(const AxisData& data, const Dictionary& nominal, const Variation&
   return {std::move(fine), std::move(moments)};
 }
 
-// By what fraction the stiffness of a block's cycles still falls from the first to the last (Mullins): settled, the
-// rubber is softer than their mean by some of it, which no resampling of the tests can see (I 5.11).
+// By what fraction the stiffness of a ramp's cycles still falls from the first to the last (Mullins): settled, the
+// rubber is softer than their mean by some of it, which no resampling of the tests can see (I 5.11). Loops run long
+// enough to settle; there the difference of two cycles is noise.
 double settling(const DataBlock& block) {
+  if (block.test->source->kind != TestKind::static_ramp) return 0.0;
   const auto stiffness = [&](const CycleSpan& span) {
     const auto cycle = std::ranges::find(block.test->cycles, span.begin, [](const Cycle& c) { return c.span.begin; });
-    const LoopMeasures& m = cycle->measured;
-    return m.storage_stiffness > 0.0 ? m.storage_stiffness : m.effective_stiffness;
+    return cycle->measured.effective_stiffness;
   };
   const double first = stiffness(block.cycles.front()), last = stiffness(block.cycles.back());
   return last > 0.0 ? std::max(first / last - 1.0, 0.0) : 0.0;

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <ctime>
 
+#include "model/errors.h"
 #include "tests/identification/coverage.h"
 
 namespace {
@@ -52,7 +53,14 @@ int main(int argc, char** argv) {
   const std::uint64_t count = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 200;
   std::vector<SeedCoverage> seeds;
   const std::clock_t start = std::clock();
-  for (std::uint64_t seed = first; seed < first + count; ++seed) seeds.push_back(coverage_of_seed(seed));
+  for (std::uint64_t seed = first; seed < first + count; ++seed) {
+    try {
+      seeds.push_back(coverage_of_seed(seed));
+    } catch (const NumericalError& error) {
+      std::printf("seed %llu: no result: %s\n", static_cast<unsigned long long>(seed), error.what());
+    }
+  }
+  if (seeds.empty()) return 4;
   std::printf("%zu random rubbers, seeds %llu ...; %.2f s of processor time each, generation included\n", seeds.size(),
               static_cast<unsigned long long>(first),
               static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC / static_cast<double>(seeds.size()));
