@@ -43,6 +43,17 @@ double null_cost(const PolishedLaw& law) {
   return sum;
 }
 
+// All moments are sums of squares of forces.
+void require_squares(const AxisData& data) {
+  for (const DataBlock& block : data.blocks) {
+    const double square = block.force_range * block.force_range, weight = block.row_weight();
+    if (std::isfinite(square) && std::isfinite(weight) && weight > 0.0) continue;
+    throw NumericalError(
+        fmt::format("forces over a range of {:.3g} (SI) have no square that a double can hold: test {}",
+                    block.force_range, block.test->source->name));
+  }
+}
+
 // Ceres alone reports convergence far from the optimum of a non-negative problem (I 3).
 void require_optimal(const PolishedLaw& law) {
   if (!law.converged) throw NumericalError("the fit did not converge: " + law.summary.termination);
@@ -83,6 +94,7 @@ Dictionary full_dictionary(const AxisData& data, double yield_spread, double tim
 }
 
 AxisSolution fit_axis(const AxisData& data, const PolishOptions& options) {
+  require_squares(data);
   const LawChoice choice = choose_law(thin(data).data, options);
   PolishedLaw law = polish(data, search_bounds(data), choice.dictionary, options);
   const Dictionary used = used_elements(law.dictionary, law.coefficients);
