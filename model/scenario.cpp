@@ -5,6 +5,7 @@
 
 #include "model/file_json.h"
 #include "model/overrides.h"
+#include "model/terrain_reader.h"
 
 namespace grouser {
 namespace {
@@ -12,33 +13,57 @@ namespace {
 namespace d = dimension;
 namespace fs = std::filesystem;
 
-/// rad/s at time 0, linear between the points and constant outside them.
-double speed_at_start(const DriveTable& drive) {
-  if (drive.time.front() >= 0.0) return drive.speed.front();
-  for (std::size_t i = 1; i < drive.time.size(); ++i) {
-    if (drive.time[i] < 0.0) continue;
-    const double share = -drive.time[i - 1] / (drive.time[i] - drive.time[i - 1]);
-    return drive.speed[i - 1] + share * (drive.speed[i] - drive.speed[i - 1]);
+/// The values of a table, one for each time.
+std::vector<double> read_values(ObjectReader& r, const std::vector<double>& time, const std::string& name,
+                                const Dimension& dimension) {
+  std::vector<double> values = r.quantities(name, dimension);
+  if (!time.empty() && !values.empty() && time.size() != values.size()) {
+    r.report(r.key_of(name), std::to_string(time.size()) + " values, one for each time", std::to_string(values.size()));
+    values.resize(time.size());
   }
-  return drive.speed.back();
+  return values;
+}
+
+DriveKind drive_kind(const ObjectReader& r) {
+  if (r.has_quantity("torque")) return DriveKind::torque;
+  return r.has_quantity("target_speed") ? DriveKind::cruise : DriveKind::speed;
+}
+
+/// A prescribed speed cannot jump away from rest; a driver's wish can.
+void check_start(ObjectReader& r, const DriveTable& drive) {
+  if (drive.kind != DriveKind::speed || drive.speed.empty()) return;
+  const double speed = table_value(drive.time, drive.speed, 0.0);
+  if (speed == 0.0) return;
+  r.report(r.key_of("speed"), "a speed of 0 at time 0: a run starts from rest", shown(Json(speed)) + " rad/s");
 }
 
 DriveTable read_drive(ObjectReader& r) {
   DriveTable drive;
+  drive.kind = drive_kind(r);
   drive.time = r.quantities("time", d::time);
-  drive.speed = r.quantities("speed", d::angular_speed);
-  if (drive.time.empty() || drive.speed.empty()) return drive;
-  if (drive.time.size() != drive.speed.size()) {
-    r.report(r.key_of("speed"), std::to_string(drive.time.size()) + " values, one for each time",
-             std::to_string(drive.speed.size()));
+  switch (drive.kind) {
+    case DriveKind::speed:
+      drive.speed = read_values(r, drive.time, "speed", d::angular_speed);
+      break;
+    case DriveKind::torque:
+      drive.torque = read_values(r, drive.time, "torque", d::torque);
+      drive.drag = r.quantity_or("drag", d::angular_damping, drive.drag, Range::non_negative);
+      break;
+    case DriveKind::cruise:
+      drive.target_speed = read_values(r, drive.time, "target_speed", d::speed);
+      drive.power = r.quantity("power", d::power, Range::positive);
+      drive.largest_torque = r.quantity("largest_torque", d::torque, Range::positive);
+      drive.brake_torque = r.quantity("brake_torque", d::torque, Range::non_negative);
+      drive.response_time = r.quantity_or("response_time", d::time, drive.response_time, Range::positive);
+      break;
   }
+  if (drive.time.empty()) return drive;
   const bool rises =
       std::adjacent_find(drive.time.begin(), drive.time.end(), std::greater_equal<>()) == drive.time.end();
-  if (!rises) {
+  if (rises) {
+    check_start(r, drive);
+  } else {
     r.report(r.key_of("time"), "strictly increasing values", "a value not above the one before it");
-  } else if (drive.time.size() == drive.speed.size() && speed_at_start(drive) != 0.0) {
-    r.report(r.key_of("speed"), "a speed of 0 at time 0: a run starts from rest",
-             shown(Json(speed_at_start(drive))) + " rad/s");
   }
   return drive;
 }
@@ -74,13 +99,11 @@ IntegratorOptions read_integrator(ObjectReader& r) {
 }
 
 /// The scenario's own document; the files that it names come later.
-void read_own(ObjectReader& r, Scenario& scenario) {
+void read_own(ObjectReader& r, Scenario& scenario, TerrainEntry& terrain) {
   scenario.name = r.text("name");
   scenario.vehicle_file = r.text("vehicle");
   scenario.bushing_file = r.text("bushing");
-  r.optional_object("terrain", [&](ObjectReader& t) {
-    scenario.terrain.friction = t.number_or("friction", scenario.terrain.friction, Range::non_negative);
-  });
+  r.optional_object("terrain", [&](ObjectReader& t) { terrain = read_terrain(t); });
   r.object("drive", [&](ObjectReader& drive) {
     for (const Side side : {Side::left, Side::right}) {
       drive.object(name_of(side),
@@ -110,6 +133,7 @@ class ScenarioReader {
     scenario_.bushing = read_bushing_document("bushing", "bushing.", overrides_.bushing_file, scenario_.bushing_file,
                                               file_, scenario_.documents.bushing);
     read_side_bushings();
+    read_profile();
     check_probes();
     findings_.throw_if_any();
     if (scenario_.bushing.synthetic) scenario_.provenance.synthetic = scenario_.bushing.provenance.synthetic;
@@ -155,8 +179,8 @@ class ScenarioReader {
     const std::string bytes = read_whole(file_);
     scenario_.path = file_;
     scenario_.provenance.inputs.push_back(provenance_input("scenario", file_.string(), bytes));
-    scenario_.documents.scenario =
-        read_text(bytes, k_scenario_format, "", findings_, [this](ObjectReader& r) { read_own(r, scenario_); });
+    scenario_.documents.scenario = read_text(bytes, k_scenario_format, "", findings_,
+                                             [this](ObjectReader& r) { read_own(r, scenario_, terrain_); });
   }
 
   /// Bytes of a file that `owner` names under /role, or that the user named in its place.
@@ -211,6 +235,19 @@ class ScenarioReader {
     return bushing;
   }
 
+  void read_profile() {
+    scenario_.terrain = terrain_.terrain;
+    scenario_.profile_file = terrain_.profile_file;
+    fs::path path;
+    const auto bytes = referred("terrain/profile/file", "", scenario_.profile_file, file_, path);
+    if (!bytes) return;
+    scenario_.provenance.inputs.push_back(provenance_input("terrain profile", scenario_.profile_file, *bytes));
+    scenario_.documents.profile = *bytes;
+    Findings findings(path.string());
+    scenario_.terrain.profile = read_ground_profile(*bytes, terrain_.profile_start, findings);
+    findings_.add(findings);
+  }
+
   void read_side_bushings() {
     for (const Side side : {Side::left, Side::right}) {
       const auto i = static_cast<std::size_t>(index_of(side));
@@ -240,6 +277,7 @@ class ScenarioReader {
   const ScenarioOverrides& overrides_;
   Findings findings_;
   Scenario scenario_;
+  TerrainEntry terrain_;
   bool vehicle_read_ = false;  ///< without a finding
 };
 
@@ -251,6 +289,14 @@ std::string with_text(const std::string& document, const std::string& pointer, c
 }
 
 }  // namespace
+
+double table_value(const std::vector<double>& time, const std::vector<double>& value, double at) {
+  const auto after = std::upper_bound(time.begin(), time.end(), at);
+  if (after == time.begin()) return value.front();
+  if (after == time.end()) return value.back();
+  const auto i = static_cast<std::size_t>(after - time.begin());
+  return value[i - 1] + (at - time[i - 1]) / (time[i] - time[i - 1]) * (value[i] - value[i - 1]);
+}
 
 Scenario read_scenario(const std::filesystem::path& file, const ScenarioOverrides& overrides) {
   return ScenarioReader(file, overrides).read();
@@ -271,8 +317,13 @@ void write_inputs(const Scenario& scenario, const std::filesystem::path& run_fol
   }
   write_whole(inputs / "bushing.json", scenario.documents.bushing);
   write_whole(inputs / "vehicle.json", vehicle);
-  write_whole(inputs / "scenario.json", with_text(with_text(scenario.documents.scenario, "/vehicle", "vehicle.json"),
-                                                  "/bushing", "bushing.json"));
+  std::string document =
+      with_text(with_text(scenario.documents.scenario, "/vehicle", "vehicle.json"), "/bushing", "bushing.json");
+  if (!scenario.documents.profile.empty()) {
+    write_whole(inputs / "profile.csv", scenario.documents.profile);
+    document = with_text(document, "/terrain/profile/file", "profile.csv");
+  }
+  write_whole(inputs / "scenario.json", document);
 }
 
 }  // namespace grouser

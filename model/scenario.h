@@ -8,20 +8,36 @@
 
 #include "model/bushing.h"
 #include "model/geometry.h"
+#include "model/terrain.h"
 #include "model/vehicle.h"
 
 namespace grouser {
 
-/// Level rigid ground at z = 0 in W.
-struct Terrain {
-  double friction = 0.7;  ///< coefficient, link against ground
-};
+/// What turns a sprocket: a motion that is given, a torque that is given, or a driver who holds a speed.
+enum class DriveKind { speed, torque, cruise };
 
-/// Sprocket speed over time, linear between the points, constant outside.
+/// One value over time for one sprocket, linear between the points, constant outside; forward > 0. Which of the three
+/// columns is filled follows the kind.
 struct DriveTable {
   std::vector<double> time;   ///< s, strictly increasing
-  std::vector<double> speed;  ///< rad/s, forward > 0
+  std::vector<double> speed;  ///< rad/s, of the sprocket (DriveKind::speed)
+  DriveKind kind = DriveKind::speed;
+  std::vector<double> torque{};        ///< N m, between chassis and sprocket (torque); 0 lets the vehicle coast
+  double drag = 0.0;                   ///< N m s/rad, of the final drive, against the sprocket's rate (torque)
+  std::vector<double> target_speed{};  ///< m/s, of the track through its teeth (cruise)
+  double power = 0.0;                  ///< W, the engine's share for this side (cruise)
+  double largest_torque = 0.0;         ///< N m, of the engine at low speed (cruise)
+  double brake_torque = 0.0;           ///< N m, against the motion (cruise)
+  double response_time = 0.5;          ///< s, of the driver's correction (cruise)
+
+  /// The column that the kind uses.
+  [[nodiscard]] const std::vector<double>& value() const {
+    return kind == DriveKind::speed ? speed : kind == DriveKind::torque ? torque : target_speed;
+  }
 };
+
+/// Linear between the points of a table, constant outside.
+[[nodiscard]] double table_value(const std::vector<double>& time, const std::vector<double>& value, double at);
 
 struct ProbeLink {
   Side side = Side::right;
@@ -54,6 +70,7 @@ struct AssemblyOptions {
 /// The documents behind a scenario, with --set applied.
 struct ScenarioDocuments {
   std::string scenario, vehicle, bushing;
+  std::string profile;                                ///< bytes of the terrain's profile file; empty when there is none
   std::array<std::string, k_num_sides> side_bushing;  ///< empty unless the track names its own bushing
 };
 
@@ -61,6 +78,7 @@ struct Scenario {
   std::filesystem::path path;
   std::string name;
   std::string vehicle_file, bushing_file;  ///< relative to the scenario file
+  std::string profile_file;                ///< of the terrain, relative to the scenario file; empty when none
   Vehicle vehicle;
   Bushing bushing;
   Terrain terrain;
@@ -91,8 +109,9 @@ struct ScenarioOverrides {
 /// Reads `grouser.scenario/1` and the files it names; throws InputError with the findings of all of them.
 [[nodiscard]] Scenario read_scenario(const std::filesystem::path& file, const ScenarioOverrides& overrides = {});
 
-/// Writes the documents of a run into run_folder/inputs/ (scenario.json, vehicle.json, bushing.json), which then name
-/// one another: read_scenario(run_folder / "inputs/scenario.json") gives the same scenario again.
+/// Writes the documents of a run into run_folder/inputs/ (scenario.json, vehicle.json, bushing.json, and profile.csv of
+/// a terrain that has one), which then name one another: read_scenario(run_folder / "inputs/scenario.json") gives the
+/// same scenario again.
 void write_inputs(const Scenario& scenario, const std::filesystem::path& run_folder);
 
 }  // namespace grouser

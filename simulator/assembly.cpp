@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "model/errors.h"
+#include "simulator/start_pose.h"
 #include "simulator/track_path.h"
 #include "simulator/track_watch.h"
 
@@ -149,7 +150,11 @@ class Settling {
 /// The system with sprockets locked and steps free of the run's own choices.
 System settling_system(const System& system) {
   System settling = system;
-  for (DriveTable& table : settling.scenario.drive) table = {{0.0}, {0.0}};
+  DriveTable locked;
+  locked.time = locked.speed = {0.0};
+  settling.scenario.drive = {locked, locked};
+  for (const int sprocket : system.sprocket_body)
+    settling.tree.bodies[static_cast<std::size_t>(sprocket)].prescribed = true;
   IntegratorOptions& options = settling.scenario.integrator;
   options = IntegratorOptions{};
   options.velocity_tolerance = 0.05;
@@ -171,6 +176,15 @@ void check_tension(const System& system, const Assembled& assembled) {
   }
 }
 
+void check_rest(const Assembled& assembled) {
+  constexpr double k_moving = 0.1;  // m/s, ten times what a run's own check lets pass
+  if (assembled.largest_link_speed <= k_moving) return;
+  throw NumericalError(
+      fmt::format("assembly: the vehicle does not come to rest, a link still moves at {:.3f} m/s; give assembly more "
+                  "settle_time, or start it on flatter ground or on ground with more friction",
+                  assembled.largest_link_speed));
+}
+
 }  // namespace
 
 Assembled assemble(const System& system, const Progress& progress) {
@@ -189,6 +203,8 @@ Assembled assemble(const System& system, const Progress& progress) {
     start.chassis.angle[system.sprocket_body[s]] = sprocket_phase(gear, pins);
   }
   close_chains(system, start);
+  const StartPose pose = start_pose(system);
+  if (!system.ground.level()) put_down(system, pose, start);
 
   const System settling_copy = settling_system(system);
   Settling settling(settling_copy, std::move(start), idlers);
@@ -205,13 +221,16 @@ Assembled assemble(const System& system, const Progress& progress) {
     const auto s = static_cast<std::size_t>(index_of(side));
     assembled.sides[s] = {upper_run_tension(system, stepper.state(), stepper.work(), side).mean,
                           stepper.state().chassis.angle[system.idler_arm_body[s]]};
+    // A driver takes over at the torque that held the sprocket.
+    assembled.state.driver[s] = stepper.work().chassis.joint_torque[system.sprocket_body[s]];
   }
   const Matrix3d R_WV = assembled.state.chassis.orientation.toRotationMatrix();
   const Vector3d origin = assembled.state.chassis.position - R_WV * system.chassis_center_V;
-  assembled.ride_height_change = origin.z();
+  assembled.ride_height_change = pose.rotation.col(2).dot(origin - pose.plane);
   assembled.pitch = -std::asin(std::clamp(R_WV(2, 0), -1.0, 1.0));
   assembled.largest_link_speed = largest_link_speed(system, assembled.state);
   check_tension(system, assembled);
+  check_rest(assembled);
   return assembled;
 }
 

@@ -147,7 +147,7 @@ CompiledTrack compile_track(const RunningGear& gear, Side side, const Bushing& b
 /// Padded length of a track's arrays: whole blocks, and one block more so that a load at i + 1 stays inside.
 int padded_length(int num_links) { return (num_links + k_lanes - 1) / k_lanes * k_lanes + k_lanes; }
 
-void add_running_gear(System& system, const RunningGear& gear, Side side) {
+void add_running_gear(System& system, const RunningGear& gear, Side side, const DriveTable& drive) {
   auto& bodies = system.tree.bodies;
   CompiledTrack& track = system.tracks[static_cast<std::size_t>(index_of(side))];
   const std::string prefix = std::string(name_of(side)) + "/";
@@ -185,7 +185,7 @@ void add_running_gear(System& system, const RunningGear& gear, Side side) {
   bodies.push_back(make_body(prefix + "idler", system.idler_arm_body[s], arm, gear.idler.wheel.body));
   system.sprocket_body[s] = static_cast<int>(bodies.size());
   bodies.push_back(make_body(prefix + "sprocket", -1, gear.sprocket.center - center, gear.sprocket.body));
-  bodies.back().prescribed = true;
+  bodies.back().prescribed = drive.kind == DriveKind::speed;
   track.sprocket = compile_sprocket(gear.sprocket, gear.track, system.sprocket_body[s]);
   track.speed_per_sprocket_rate = gear.sprocket.teeth * gear.track.pitch / (2.0 * k_pi);
   for (auto body = bodies.begin() + first; body != bodies.end(); ++body) body->mirror_group = index_of(side);
@@ -273,17 +273,20 @@ System compile(const Scenario& scenario) {
   system.tree.base_mass = vehicle.chassis.mass;
   system.tree.base_inertia = vehicle.chassis.inertia.asDiagonal();
   system.gravity_W = Vector3d(0.0, 0.0, -scenario.gravity);
-  system.ground_friction = scenario.terrain.friction;
+  system.ground = GroundSurface(scenario.terrain,
+                                vehicle.side(Side::left).track_center_y - vehicle.side(Side::right).track_center_y);
   double mass = vehicle.chassis.mass;
   for (const Side side : {Side::left, Side::right}) {
     const RunningGear& gear = vehicle.side(side);
     CompiledTrack& track = system.tracks[static_cast<std::size_t>(index_of(side))];
     track = compile_track(gear, side, scenario.bushing_of(side), system.link_array_length);
     system.link_array_length += padded_length(track.num_links);
-    add_running_gear(system, gear, side);
+    add_running_gear(system, gear, side, scenario.drive[static_cast<std::size_t>(index_of(side))]);
     mass += track.num_links * track.mass;
     reserve_rubber(track, system);
-    system.num_ground_rows = std::max(system.num_ground_rows, static_cast<int>(track.ground_points.size()));
+    // A bristle a point for the surface, and one more where half rounds stand on it.
+    const std::size_t bristles = track.ground_points.size() * (system.ground.half_rounds().empty() ? 1 : 2);
+    system.num_ground_rows = std::max(system.num_ground_rows, static_cast<int>(bristles));
   }
   for (const TreeBody& body : system.tree.bodies) mass += body.mass;
   system.weight = mass * scenario.gravity;

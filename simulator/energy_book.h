@@ -8,7 +8,7 @@ namespace grouser {
 struct EnergyBook {
   EnergyTerms start;            ///< stored parts when opened
   EnergyTerms now;              ///< at the last accepted state
-  double input = 0.0;           ///< work of the prescribed joints
+  double input = 0.0;           ///< work at the sprockets' joints, drag of the final drive taken off
   double absolute_input = 0.0;  ///< integral of |their power|
   double bushing_loss = 0.0, contact_loss = 0.0, friction_loss = 0.0, ground_loss = 0.0;
   double suspension_loss = 0.0, tensioner_loss = 0.0;

@@ -61,10 +61,12 @@ void rest_results(const System& system, const Assembled& assembled, const RunSer
               assembled.largest_link_speed <= 0.01);
 }
 
-/// Speed at which a sprocket feeds its track [m/s].
+/// Speed at which a sprocket is to feed its track [m/s]; not for one that a torque drives.
 double feed(const System& system, Side side, double time) {
   const auto s = static_cast<std::size_t>(index_of(side));
-  return drive_motion(system.scenario.drive[s], time).speed * system.tracks[s].speed_per_sprocket_rate;
+  const DriveTable& table = system.scenario.drive[s];
+  const double asked = drive_motion(table, time).speed;
+  return table.kind == DriveKind::cruise ? asked : asked * system.tracks[s].speed_per_sprocket_rate;
 }
 
 bool feeds_alike(const System& system, double time) {
@@ -120,7 +122,8 @@ void whole_straight_run(const System& system, const RunSeries& series, Sheet& sh
 
 bool never_driven(const Scenario& scenario) {
   return std::all_of(scenario.drive.begin(), scenario.drive.end(), [](const DriveTable& table) {
-    return std::all_of(table.speed.begin(), table.speed.end(), [](double speed) { return speed == 0.0; });
+    return table.kind == DriveKind::speed &&
+           std::all_of(table.speed.begin(), table.speed.end(), [](double speed) { return speed == 0.0; });
   });
 }
 
@@ -198,15 +201,22 @@ void track_results(const RunSeries& series, Sheet& sheet) {
 
 std::optional<Interval> steady_drive(const Scenario& scenario) {
   std::vector<double> corners{0.0, scenario.duration};
-  for (const DriveTable& table : scenario.drive) corners.insert(corners.end(), table.time.begin(), table.time.end());
+  for (const DriveTable& table : scenario.drive) {
+    if (table.kind == DriveKind::torque) return std::nullopt;
+    corners.insert(corners.end(), table.time.begin(), table.time.end());
+  }
   std::sort(corners.begin(), corners.end());
   std::optional<Interval> best;
   for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
     const double from = std::max(0.0, corners[i]), to = std::min(scenario.duration, corners[i + 1]);
     if (to - from < 0.5) continue;
-    const double mid = 0.5 * (from + to);
-    const DriveMotion l = drive_motion(scenario.drive[0], mid), r = drive_motion(scenario.drive[1], mid);
-    if (l.acceleration != 0.0 || r.acceleration != 0.0 || (l.speed == 0.0 && r.speed == 0.0)) continue;
+    const auto wanted = [](const DriveTable& table, double time) {
+      return table_value(table.time, table.value(), time);
+    };
+    const auto changes = [&](const DriveTable& table) { return wanted(table, from) != wanted(table, to); };
+    const auto stands = [&](const DriveTable& table) { return wanted(table, from) == 0.0; };
+    if (std::any_of(scenario.drive.begin(), scenario.drive.end(), changes)) continue;
+    if (std::all_of(scenario.drive.begin(), scenario.drive.end(), stands)) continue;
     if (!best || to - from > best->to - best->from) best = Interval{from, to};
   }
   return best;
@@ -259,7 +269,8 @@ void add_results(const System& system, const Assembled& assembled, const RunSeri
     if (const std::optional<Interval> steady = steady_drive(scenario)) {
       if (always_straight(system)) {
         straight_results(system, series, *steady, sheet);
-        whole_straight_run(system, series, sheet);
+        if (system.ground.level() && scenario.drive[0].kind == DriveKind::speed)
+          whole_straight_run(system, series, sheet);
       } else if (!feeds_alike(system, 0.5 * (steady->from + steady->to))) {
         turn_results(system, series, *steady, sheet);
       }

@@ -191,8 +191,8 @@ class Run {
   void watch_steps() {
     const double t = stepper_.state().time, h = stepper_.last_step();
     double rate = 0.0;
-    for (const DriveTable& table : system_.scenario.drive)
-      rate = std::max(rate, std::abs(drive_motion(table, t).speed));
+    for (const int sprocket : system_.sprocket_body)
+      rate = std::max(rate, std::abs(stepper_.state().chassis.rate[sprocket]));
     if (rate <= k_still_share * largest_rate_) series_.rest_steps.time += h, ++series_.rest_steps.count;
     if (steady_ && t > steady_->from && t <= steady_->to) series_.steady_steps.time += h, ++series_.steady_steps.count;
   }

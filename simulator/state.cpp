@@ -18,6 +18,7 @@ State make_state(const System& system) {
   state.history.branch = Field(system.num_branch_rows, n);
   state.history.anchor_x = Field(system.num_ground_rows, n);
   state.history.anchor_y = Field(system.num_ground_rows, n);
+  state.history.anchor_z = Field(system.num_ground_rows, n);
   state.history.stretch_x = Field(system.num_ground_rows, n);
   state.history.stretch_y = Field(system.num_ground_rows, n);
   state.history.anchored = Field(system.num_ground_rows, n);

@@ -9,12 +9,12 @@ namespace grouser {
 
 /// Memory of rubber and ground contact: belongs to the state, committed with an accepted step only.
 struct History {
-  Field deflection;            ///< bushing deflections at the last accepted step [m, rad] (6 x joints)
-  Field stop;                  ///< elastic deflection of every friction stop [m, rad] (stops x joints)
-  Field branch;                ///< force of every Maxwell branch [N, N m] (branches x joints)
-  Field anchor_x, anchor_y;    ///< bristle anchors on the ground, W [m] (ground points x links)
-  Field stretch_x, stretch_y;  ///< point less anchor [m]
-  Field anchored;              ///< 1 where the anchor is in use
+  Field deflection;                    ///< bushing deflections at the last accepted step [m, rad] (6 x joints)
+  Field stop;                          ///< elastic deflection of every friction stop [m, rad] (stops x joints)
+  Field branch;                        ///< force of every Maxwell branch [N, N m] (branches x joints)
+  Field anchor_x, anchor_y, anchor_z;  ///< bristle anchors on the ground, W [m] (ground contacts x links)
+  Field stretch_x, stretch_y;          ///< point less anchor, in the ground's tangent plane [m]
+  Field anchored;                      ///< 1 where the anchor is in use
 };
 
 /// Everything that is integrated. Link arrays hold both tracks, each padded; element num_links of a track repeats its
@@ -22,18 +22,20 @@ struct History {
 struct State {
   double time = 0.0;  ///< s
   TreeState chassis;
-  Field position;          ///< link centres in W [m] (3)
-  Field orientation;       ///< link -> W, unit quaternions w, x, y, z (4)
-  Field velocity;          ///< W [m/s] (3)
-  Field angular_velocity;  ///< link frame [rad/s] (3)
+  Field position;                            ///< link centres in W [m] (3)
+  Field orientation;                         ///< link -> W, unit quaternions w, x, y, z (4)
+  Field velocity;                            ///< W [m/s] (3)
+  Field angular_velocity;                    ///< link frame [rad/s] (3)
+  std::array<double, k_num_sides> driver{};  ///< N m, what the driver's integral asks of each sprocket
   History history;
 };
 
 /// Accelerations at one state; the integrator keeps those of the last two accepted steps.
 struct Acceleration {
   TreeAcceleration chassis;
-  Field linear;   ///< W [m/s^2] (3)
-  Field angular;  ///< link frame [rad/s^2] (3)
+  Field linear;                              ///< W [m/s^2] (3)
+  Field angular;                             ///< link frame [rad/s^2] (3)
+  std::array<double, k_num_sides> driver{};  ///< N m/s, rate of State::driver
 };
 
 [[nodiscard]] State make_state(const System& system);

@@ -28,13 +28,6 @@ void place_bodies(const System& system, const State& state, Workspace& work) {
   place_links(system, state, work);
 }
 
-void drive_accelerations(const System& system, const State& state, Workspace& work) {
-  for (std::size_t side = 0; side < k_num_sides; ++side) {
-    work.prescribed_acceleration[static_cast<std::size_t>(system.sprocket_body[side])] =
-        drive_motion(system.scenario.drive[side], state.time).acceleration;
-  }
-}
-
 void chassis_accelerations(const System& system, const AssemblyKnobs& knobs, const State& state, Workspace& work,
                            Acceleration& acceleration) {
   TreeAcceleration& a = acceleration.chassis;
@@ -65,6 +58,7 @@ void advance_chassis(const System& system, const StepWeights& w, double time, co
   for (std::size_t side = 0; side < k_num_sides; ++side) {  // prescribed motion is exact, not integrated
     const int body = system.sprocket_body[side];
     const DriveTable& table = system.scenario.drive[side];
+    if (table.kind != DriveKind::speed) continue;
     const DriveMotion from = drive_motion(table, time), to = drive_motion(table, time + w.h);
     next.angle[body] = now.angle[body] + (to.angle - from.angle);
     next.rate[body] = to.speed;
@@ -119,7 +113,7 @@ void evaluate(const System& system, const AssemblyKnobs& knobs, const History& b
   sprocket_contacts(system, knobs, state, work);
   ground_contacts(system, before, state, work);
   suspension_forces(system, knobs, state, work);
-  drive_accelerations(system, state, work);
+  drive_sprockets(system, state, work, acceleration);
   sum_joint_forces(system, work);
   chassis_accelerations(system, knobs, state, work, acceleration);
   link_accelerations(system, knobs, state, work, acceleration);
@@ -130,6 +124,10 @@ double advance(const System& system, double h, double previous_h, const State& n
   const StepWeights weights = step_weights(system.scenario.integrator.beta, h, previous_h);
   next.time = now.time + h;
   advance_chassis(system, weights, now.time, now.chassis, f_now.chassis, f_before.chassis, next.chassis);
+  for (std::size_t side = 0; side < k_num_sides; ++side) {
+    next.driver[side] =
+        now.driver[side] + weights.velocity_now * f_now.driver[side] + weights.velocity_before * f_before.driver[side];
+  }
   const double turn = advance_links(system, weights, now, f_now, f_before, next);
   close_chains(system, next);
   return turn;

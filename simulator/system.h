@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "model/ground_surface.h"
 #include "model/scenario.h"
 #include "simulator/tree.h"
 
@@ -121,7 +122,7 @@ struct System {
   int num_stop_rows = 0, num_branch_rows = 0, num_ground_rows = 0;
   Vector3d gravity_W = Vector3d::Zero();
   Vector3d chassis_center_V = Vector3d::Zero();  ///< chassis centre of mass in the vehicle frame
-  double ground_friction = 0.0;
+  GroundSurface ground;
   double weight = 0.0;  ///< N, whole vehicle
 
   [[nodiscard]] int num_bodies() const;
