@@ -8,6 +8,8 @@
 GROUSER_ASSET(asset_report_mustache);
 GROUSER_ASSET(asset_run_mustache);
 GROUSER_ASSET(asset_fit_mustache);
+GROUSER_ASSET(asset_fit_comparison_mustache);
+GROUSER_ASSET(asset_rig_mustache);
 GROUSER_ASSET(asset_checks_mustache);
 GROUSER_ASSET(asset_notes_mustache);
 GROUSER_ASSET(asset_tests_mustache);
@@ -33,10 +35,12 @@ struct Template {
   const char* begin;
   const char* end;
 };
-const std::array<Template, 9> k_templates{{
+const std::array<Template, 11> k_templates{{
     {"report", asset_report_mustache_begin, asset_report_mustache_end},
     {"run", asset_run_mustache_begin, asset_run_mustache_end},
     {"fit", asset_fit_mustache_begin, asset_fit_mustache_end},
+    {"fit_comparison", asset_fit_comparison_mustache_begin, asset_fit_comparison_mustache_end},
+    {"rig", asset_rig_mustache_begin, asset_rig_mustache_end},
     {"checks", asset_checks_mustache_begin, asset_checks_mustache_end},
     {"notes", asset_notes_mustache_begin, asset_notes_mustache_end},
     {"tests", asset_tests_mustache_begin, asset_tests_mustache_end},

@@ -57,7 +57,7 @@ std::vector<double> scaled(std::vector<double> values, double factor) {
 
 double drive_speed(const RunFolder& run, Side side, double t) {
   const DriveTable& table = run.scenario.drive[static_cast<std::size_t>(index_of(side))];
-  if (table.time.empty()) return 0.0;
+  if (table.speed.empty()) return 0.0;  // not prescribed
   const auto after = std::upper_bound(table.time.begin(), table.time.end(), t);
   if (after == table.time.begin()) return table.speed.front();
   if (after == table.time.end()) return table.speed.back();

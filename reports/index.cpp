@@ -76,6 +76,15 @@ json fit_card(const std::filesystem::path& folder) {
   return card(folder, facts);
 }
 
+json rig_card(const std::filesystem::path& folder) {
+  const ReplayRecord replay = read_replay(folder / "replay.json");
+  json facts{{"kind", "Virtual rig"},           {"title", replay.bushing},  {"verdict", rig_verdict(replay)},
+             {"numbers", rig_headline(replay)}, {"payload_picture", false}, {"payload_dark", false}};
+  facts["links"] = file_links(folder, {"report.html", "report.json", "replay.json", "rig.json"});
+  facts["is_synthetic"] = !replay.provenance.synthetic.empty();
+  return card(folder, facts);
+}
+
 }  // namespace
 
 void write_index(const std::filesystem::path& folder) {
@@ -86,6 +95,7 @@ void write_index(const std::filesystem::path& folder) {
   json page{{"cards", json::array()}, {"version", program_version()}};
   for (const std::filesystem::path& child : children) {
     if (std::filesystem::exists(child / "fit.json")) page["cards"].push_back(fit_card(child));
+    if (std::filesystem::exists(child / "replay.json")) page["cards"].push_back(rig_card(child));
     if (std::filesystem::exists(child / "run.json")) page["cards"].push_back(run_card(child));
   }
   if (page["cards"].empty())

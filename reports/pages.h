@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "model/fit.h"
+#include "model/replay.h"
 #include "model/run.h"
 
 /// The facts of a page, ready for its template and for its machine-readable twin: every number stands as `text` in the
@@ -23,10 +24,20 @@ struct FitFolder {
 /// Reads DIR/fit.json and DIR/bushing.json. Throws InputError / FileError.
 [[nodiscard]] FitFolder open_fit(const std::filesystem::path& folder);
 
+/// A folder of the virtual rig opened for a report.
+struct RigFolder {
+  std::filesystem::path path;
+  ReplayRecord replay;
+};
+
 /// `id` prefixes every element id of this part, so that several parts share a page; `level` is the level of its own
 /// heading.
 [[nodiscard]] nlohmann::json run_facts(const RunFolder& run, const std::string& id, int level);
 [[nodiscard]] nlohmann::json fit_facts(const FitFolder& folder, const std::string& id, int level);
+[[nodiscard]] nlohmann::json rig_facts(const RigFolder& folder, const std::string& id, int level);
+/// {pass, partial, text}: whether the simulator's bushing agrees with the measurement; `partial`: not with all tests.
+[[nodiscard]] nlohmann::json rig_verdict(const ReplayRecord& replay);
+[[nodiscard]] nlohmann::json rig_headline(const ReplayRecord& replay);
 /// {pass, partial, text}: whether the fit reached what it must, in one sentence; `partial`: it did, but not with all
 /// tests.
 [[nodiscard]] nlohmann::json fit_verdict(const FitRecord& fit);
@@ -41,6 +52,10 @@ struct FitFolder {
 [[nodiscard]] nlohmann::json run_headline(const RunSummary& summary);
 /// Several runs side by side: a table of every result and overlaid figures.
 [[nodiscard]] nlohmann::json comparison_facts(const std::vector<RunFolder>& runs, const std::string& id, int level);
+
+/// Several fits side by side, axis by axis: overlaid responses with their bands, and a table of the differences from
+/// the first fit against the intervals of both.
+[[nodiscard]] nlohmann::json fit_comparison_facts(const std::vector<FitFolder>& fits, const std::string& id, int level);
 
 /// Inputs with hashes, options, version and the commands that repeat the result.
 [[nodiscard]] nlohmann::json provenance_facts(const Provenance& provenance, const std::vector<std::string>& commands);

@@ -14,18 +14,20 @@ namespace {
 
 using nlohmann::json;
 
-/// Folders that hold a run, folders that hold a fit; a folder that holds neither is the user's mistake.
+/// Folders that hold a run, a fit or a virtual rig's replay; a folder that holds none is the user's mistake.
 struct Opened {
   std::vector<RunFolder> runs;
   std::vector<FitFolder> fits;
+  std::vector<RigFolder> rigs;
 };
 
-/// Runs of one name are told apart by their folders, everywhere on the page.
-void name_apart(std::vector<RunFolder>& runs) {
+/// Results of one name are told apart by their folders, everywhere on the page.
+template <typename Folder, typename Name>
+void name_apart(std::vector<Folder>& folders, const Name& name) {
   std::map<std::string, int> count;
-  for (const RunFolder& run : runs) ++count[run.summary.name];
-  for (RunFolder& run : runs)
-    if (count[run.summary.name] > 1) run.summary.name += " · " + run.path.filename().string();
+  for (Folder& folder : folders) ++count[name(folder)];
+  for (Folder& folder : folders)
+    if (count[name(folder)] > 1) name(folder) += " · " + folder.path.filename().string();
 }
 
 Opened open_folders(const std::vector<std::filesystem::path>& folders) {
@@ -37,11 +39,16 @@ Opened open_folders(const std::vector<std::filesystem::path>& folders) {
       opened.runs.push_back(open_run(folder));
     else if (std::filesystem::exists(folder / "fit.json"))
       opened.fits.push_back(open_fit(folder));
+    else if (std::filesystem::exists(folder / "replay.json"))
+      opened.rigs.push_back({folder, read_replay(folder / "replay.json")});
     else
-      findings.push_back({folder.string(), "", "a run folder (run.json) or a fit folder (fit.json)", "neither", ""});
+      findings.push_back({folder.string(), "",
+                          "a run folder (run.json), a fit folder (fit.json) or a virtual rig (replay.json)", "neither",
+                          ""});
   }
   if (!findings.empty()) throw InputError(findings);
-  name_apart(opened.runs);
+  name_apart(opened.runs, [](RunFolder& run) -> std::string& { return run.summary.name; });
+  name_apart(opened.fits, [](FitFolder& folder) -> std::string& { return folder.fit.specimen; });
   return opened;
 }
 
@@ -51,10 +58,11 @@ json contents(const json& page) {
   const auto add = [&](const std::string& key, const std::string& text) {
     links.push_back({{"key", key}, {"text", text}});
   };
-  const bool single = page["runs"].size() + page["fits"].size() == 1;
+  const bool single = page["runs"].size() + page["fits"].size() + page["rigs"].size() == 1;
   if (!single) {
     if (page["compares"]) add("comparison", "Comparison");
-    for (const char* kind : {"fits", "runs"})
+    if (page["fit_comparison"].is_object()) add("fit-comparison", "Fits side by side");
+    for (const char* kind : {"fits", "rigs", "runs"})
       for (const json& part : page[kind]) add(part["id"], part["title"]);
     return links;
   }
@@ -66,33 +74,42 @@ json contents(const json& page) {
     add(id + "-numbers", "Numbers");
     add(id + "-provenance", "Provenance");
   }
-  for (const json& fit : page["fits"]) {
-    const std::string id = fit["id"];
-    add(id + "-checks", "Verdict");
-    if (fit["has_warnings"]) add(id + "-warnings", "Warnings");
-    add(id + "-corrections", "Corrections");
-    for (const json& axis : fit["axes"]) add(axis["key"], "Axis " + axis["axis_title"].get<std::string>());
-    if (fit["draws"].is_object()) add(id + "-draws", "Draws");
-    add(id + "-provenance", "Provenance");
-  }
+  for (const char* kind : {"fits", "rigs"})
+    for (const json& part : page[kind]) {
+      const std::string id = part["id"];
+      add(id + "-checks", "Verdict");
+      if (part["has_warnings"]) add(id + "-warnings", "Warnings");
+      if (kind == std::string("fits") || part["has_corrections"]) add(id + "-corrections", "Corrections");
+      for (const json& axis : part["axes"]) add(axis["key"], "Axis " + axis["axis_title"].get<std::string>());
+      if (part.contains("draws") && part["draws"].is_object()) add(id + "-draws", "Draws");
+      add(id + "-provenance", "Provenance");
+    }
   return links;
 }
 
 json page_facts(const Opened& opened) {
-  const std::size_t parts = opened.runs.size() + opened.fits.size();
+  const std::size_t parts = opened.runs.size() + opened.fits.size() + opened.rigs.size();
   const int level = parts == 1 ? 1 : 2;
-  json page{{"format", "grouser.report/1"}, {"runs", json::array()}, {"fits", json::array()}, {"several", parts > 1}};
+  json page{{"format", "grouser.report/1"},
+            {"runs", json::array()},
+            {"fits", json::array()},
+            {"rigs", json::array()},
+            {"several", parts > 1}};
   for (std::size_t i = 0; i < opened.fits.size(); ++i)
     page["fits"].push_back(fit_facts(opened.fits[i], fmt::format("fit{}", i + 1), level));
+  for (std::size_t i = 0; i < opened.rigs.size(); ++i)
+    page["rigs"].push_back(rig_facts(opened.rigs[i], fmt::format("rig{}", i + 1), level));
   for (std::size_t i = 0; i < opened.runs.size(); ++i)
     page["runs"].push_back(run_facts(opened.runs[i], fmt::format("run{}", i + 1), level));
   page["compares"] = opened.runs.size() > 1;
   page["comparison"] = opened.runs.size() > 1 ? comparison_facts(opened.runs, "comparison", level) : json(false);
+  page["fit_comparison"] =
+      opened.fits.size() > 1 ? fit_comparison_facts(opened.fits, "fit-comparison", level) : json(false);
   if (parts == 1) {
-    const json& part = opened.runs.empty() ? page["fits"][0] : page["runs"][0];
-    page["page_title"] = part["title"];
+    for (const char* kind : {"fits", "rigs", "runs"})
+      if (!page[kind].empty()) page["page_title"] = page[kind][0]["title"];
   } else {
-    page["page_title"] = opened.runs.size() == 1 && opened.fits.size() == 1
+    page["page_title"] = parts == 2 && opened.runs.size() == 1 && opened.fits.size() == 1
                              ? opened.fits[0].fit.specimen + " and " + opened.runs[0].summary.name
                              : fmt::format("{} results side by side", parts);
   }

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include <chrono>
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -236,6 +237,38 @@ TEST_F(FitPages, WarningsOfOneKindStandTogetherWithWhatToDo) {
   EXPECT_EQ(warnings[0]["code"], "drift");
   EXPECT_EQ(warnings[0]["evidence"].size(), 2u);
   EXPECT_EQ(warnings[1]["correction"], "remove_backlash");
+}
+
+// Half widths of 1.2 % make one of 1.7 % of a difference: 1 % is within it, 3 % is not.
+TEST_F(FitPages, SeveralFitsAreComparedAgainstTheIntervalsOfBoth) {
+  FitRecord other = mock::fit_record("Second specimen");
+  for (ResponsePoint& cell : other.axes[0].responses)
+    for (double* value : {&cell.energy.value, &cell.energy.low, &cell.energy.high})
+      *value *= cell.amplitude < 2e-4 ? 1.01 : 1.03;
+  std::filesystem::create_directories(folder_ / "second");
+  std::filesystem::copy_file(folder_ / "identification" / "bushing.json", folder_ / "second" / "bushing.json");
+  write_fit(other, folder_ / "second" / "fit.json");
+  const std::string text = visible_text(report({"identification", "second"}));
+  EXPECT_THAT(text, HasSubstr("Fits side by side"));
+  const nlohmann::json axes = twin()["fit_comparison"]["axes"];
+  ASSERT_EQ(axes.size(), 2u);
+  int energies = 0;
+  for (const nlohmann::json& row : axes[0]["rows"]) {
+    const std::string label = row["label"];
+    const bool energy = label.starts_with("Energy"), large = label.find("0.5 mm") != std::string::npos;
+    EXPECT_EQ(row["differ"].get<bool>(), energy && large) << label;
+    energies += energy;
+    if (energy) {
+      EXPECT_NEAR(row["width"]["value"].get<double>(), 0.012 * std::hypot(1.0, large ? 1.03 : 1.01), 1e-12);
+    }
+  }
+  EXPECT_EQ(energies, 6);
+  for (const nlohmann::json& row : axes[1]["rows"]) EXPECT_FALSE(row["differ"].get<bool>()) << row["label"];
+}
+
+TEST_F(FitPages, FitsOfOneNameAreToldApartByTheirFolders) {
+  mock::write_fit_folder(folder_ / "second");
+  EXPECT_THAT(visible_text(report({"identification", "second"})), HasSubstr("Mock specimen · second"));
 }
 
 TEST_F(FitPages, AStaticTestAloneMakesAPage) {
