@@ -218,12 +218,17 @@ def fit_axis(turning):
                   **{f"tangent_window_{length}": OPEN_NUMBER, f"preset_{length}": OPEN_NUMBER})
 
 
+NOTES = list_of(record(code=TEXT, test_=TEXT, text=TEXT))
+FIT_TESTS = list_of({"oneOf": [fit_test(False), fit_test(True)]})
 FIT = document("fit", "How a bushing is known: tests, parameters, uncertainty", specimen=TEXT, synthetic_=BOOLEAN,
                synthetic_note_=TEXT, calibration_residual=OPEN_NUMBER,
-               tests=list_of({"oneOf": [fit_test(False), fit_test(True)]}),
+               tests=FIT_TESTS,
                axes=record(**{axis + "_": fit_axis(axis.startswith("r")) for axis in AXES}),
-               warnings=list_of(record(code=TEXT, test_=TEXT, text=TEXT)),
-               corrections=list_of(record(code=TEXT, test_=TEXT, text=TEXT)), provenance_=PROVENANCE)
+               warnings=NOTES, corrections=NOTES, provenance_=PROVENANCE)
+
+# --- replay.json
+REPLAY = document("replay", "Tests of a campaign driven on the bushing of a simulation", specimen=TEXT, bushing=TEXT,
+                  tests=FIT_TESTS, warnings=NOTES, corrections=NOTES, provenance_=PROVENANCE)
 
 # --- vehicle.json
 RESTITUTION = {"type": "number", "exclusiveMinimum": 0, "maximum": 1}
@@ -314,6 +319,6 @@ RUN = document(
 
 if __name__ == "__main__":
     folder = pathlib.Path(__file__).parent
-    for name, schema in {"rig": RIG, "bushing": BUSHING, "fit": FIT, "vehicle": VEHICLE, "scenario": SCENARIO,
+    for name, schema in {"rig": RIG, "bushing": BUSHING, "fit": FIT, "replay": REPLAY, "vehicle": VEHICLE, "scenario": SCENARIO,
                          "run": RUN}.items():
         (folder / f"{name}.schema.json").write_text(json.dumps(schema, indent=1) + "\n")

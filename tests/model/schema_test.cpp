@@ -10,6 +10,7 @@
 #include "model/errors.h"
 #include "model/fit.h"
 #include "model/provenance.h"
+#include "model/replay.h"
 #include "model/run.h"
 #include "tests/support/test_data.h"
 
@@ -86,6 +87,8 @@ const std::vector<Mutation>& mutations() {
       {"fit", "correction_without_words", [](Json& j) { j["corrections"][0].erase("text"); }},
       {"fit", "half_a_stop", [](Json& j) { j["axes"]["x"]["selection"][0]["stops"] = 0.5; }},
       {"fit", "no_solver", [](Json& j) { j["axes"]["x"].erase("solver"); }},
+      {"replay", "no_law", [](Json& j) { j.erase("bushing"); }},
+      {"replay", "wordless_warning", [](Json& j) { j["warnings"][0].erase("text"); }},
       {"run", "unknown_status", [](Json& j) { j["status"] = "finished"; }},
       {"run", "no_energy", [](Json& j) { j.erase("energy"); }},
       {"run", "worded_result", [](Json& j) { j["results"]["cruise_speed_m_per_s"] = "fast"; }},
@@ -136,6 +139,8 @@ std::map<std::string, Json> valid_documents(const TemporaryFolder& folder) {
       "tests": [{"name": "t", "axis": "x", "kind": "cyclic", "file": "loop.csv", "frequency_Hz": 1, "amplitude_mm": 1, "corrections": ["segment_at_jumps", "remove_creep"]}]})");
   write_fit(small_fit(), folder.path() / "written");
   documents["fit"] = parsed(folder.path() / "written");
+  write_replay({"s", "b", small_fit().tests, {{"rate_unknown", "t", "x"}}, {}, {}}, folder.path() / "written");
+  documents["replay"] = parsed(folder.path() / "written");
   write_run_summary(small_run(), folder.path() / "written");
   documents["run"] = parsed(folder.path() / "written");
   return documents;
