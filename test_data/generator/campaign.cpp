@@ -224,6 +224,7 @@ AxisCampaign large_torsion_campaign(bool with_stop, std::uint64_t seed) {
   AxisCampaign ry = make_axis(Axis::ry, 1600.0, 45.0 * k_degree, 1.2e3, 0.01 * k_degree, seed);
   if (with_stop) {
     ry.rubber.hard_stop = 52.0 * k_degree;
+    ry.rubber.hard_stop_width = 1.5 * k_degree;
     ry.rubber.hard_stop_stiffness = 9.0 * 1600.0;
   }
   add_ramp(ry, 60.0 * k_degree, 2.0 * k_degree);

@@ -44,8 +44,10 @@ std::vector<MaxwellBranch> TrueRubber::springpot_series() const {
 double TrueRubber::elastic(double x) const {
   const double stretch = clearance > 0.0 ? std::copysign(std::max(std::abs(x) - clearance, 0.0), x) : x;
   const double force = (k1 + k3 * stretch * stretch) * stretch;
-  if (hard_stop_stiffness == 0.0 || std::abs(x) <= hard_stop) return force;
-  return force + std::copysign(hard_stop_stiffness * (std::abs(x) - hard_stop), x);
+  if (hard_stop_stiffness == 0.0) return force;
+  const double past = (std::abs(x) - hard_stop) / hard_stop_width;  // stiffness grows as the logistic function
+  const double contact = past > 30.0 ? past : std::log1p(std::exp(past));
+  return force + std::copysign(hard_stop_stiffness * hard_stop_width * contact, x);
 }
 
 TrueRubber make_rubber(double stiffness, double stroke, std::uint64_t seed) {

@@ -28,8 +28,9 @@ struct TrueRubber {
   double springpot_order = 0.0;  ///< a, 0..1
   double yield_growth = 0.0;     ///< b, 1/m^2: every stop slips at yield (1 + b x^2)
   double clearance = 0.0;        ///< play of the joint: the spring k1, k3 starts at |x| = clearance, m or rad
-  /// Metal on metal: beyond |x| = hard_stop an extra stiffness, N/m or N m/rad; 0: there is none.
-  double hard_stop = 0.0, hard_stop_stiffness = 0.0;
+  /// Beyond |x| = hard_stop an extra stiffness, N/m or N m/rad, which rubber rounds over hard_stop_width; 0: there is
+  /// none.
+  double hard_stop = 0.0, hard_stop_width = 0.0, hard_stop_stiffness = 0.0;
 
   /// The springpot as a Prony series (eight branches a decade over 1e-5..1e4 s): its power-law relaxation C t^-a /
   /// Gamma(1-a) is a continuous spectrum of Maxwell branches, cut where no test of the campaign can see.
