@@ -46,6 +46,7 @@ int number_blocks(std::vector<Cycle>& cycles) {
 
 // Blocks of one or two cycles at the record's end, after a real one: the actuator runs out.
 void mark_trailing(PreparedTest& test) {
+  if (test.blocks == 0) return;
   std::vector<int> sizes(static_cast<std::size_t>(test.blocks), 0);
   for (const Cycle& cycle : test.cycles) sizes[static_cast<std::size_t>(cycle.block)] += cycle.note.empty() ? 1 : 0;
   std::size_t kept = sizes.size();
@@ -107,6 +108,7 @@ void choose_cycles(PreparedTest& test) {
     if (cycle.note == "conditioning") cycle.note.clear();
     cycle.used = cycle.note.empty();
   }
+  if (test.cycles_used() == 0) test.unusable = "no cycle is left to use";
 }
 
 }  // namespace grouser

@@ -93,8 +93,10 @@ void mark_jumps(PreparedTest& test, std::vector<FitWarning>& warnings, std::vect
   if (test.source->time_measured) jumps.parts = parts_of(test.source->time);
   if (jumps.parts.size() < 2 && jumps.breaks.empty()) return;
   if (!asks_for(*test.source, CorrectionKind::segment_at_jumps)) return leave_out(test, jumps, warnings);
-  for (std::size_t k = 1; k < test.cycles.size(); ++k) {
-    if (test.cycles[k].part != test.cycles[k - 1].part) test.cycles[k].note = k_after;
+  int part = 0;
+  for (Cycle& cycle : test.cycles) {
+    if (cycle.part != part) cycle.note = k_after;
+    part = cycle.part;
   }
   for (const PhaseBreak& one : jumps.breaks) {
     test.cycles[one.cycle].note = "phase break";

@@ -62,11 +62,12 @@ void separate_stamps(std::span<double> time) {
 // Evens every part's clock. Between two parts lies at least the former's duration: every branch is at rest again, and
 // the stops are set anew by the first swing, so that a part starts as a record does.
 void mend_clock(std::vector<double>& time, const std::vector<std::size_t>& parts) {
+  const double usual = median_step(time);
   for (std::size_t p = 0; p < parts.size(); ++p) {
     const std::size_t begin = parts[p], end = p + 1 < parts.size() ? parts[p + 1] : time.size();
     const std::span<double> part = std::span(time).subspan(begin, end - begin);
     if (p > 0) {
-      const double rest = time[begin - 1] - time[parts[p - 1]], gap = part.front() - time[begin - 1];
+      const double rest = std::max(usual, time[begin - 1] - time[parts[p - 1]]), gap = part.front() - time[begin - 1];
       const double shift = gap < rest ? rest - gap : 0.0;
       for (double& t : part) t += shift;
     }

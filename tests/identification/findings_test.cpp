@@ -149,6 +149,27 @@ TEST(TrailingCycles, AreNamedAndNotUsed) {
   EXPECT_TRUE(four.test.cycles[11].used);
 }
 
+TEST(Jumps, MayLeaveNoCycleToUse) {
+  RigTest test = loops(2);
+  for (auto* channel : {&test.time, &test.displacement, &test.force}) channel->resize(280);
+  for (std::size_t i = 30; i < test.time.size(); ++i) test.time[i] += 5.0;  // one whole cycle is left, after the jump
+  test.corrections.push_back(CorrectionKind::segment_at_jumps);
+  const Prepared prepared(test);
+  EXPECT_THAT(codes(prepared.warnings), ::testing::ElementsAre("unusable_test"));
+  EXPECT_EQ(prepared.test.unusable, "no cycle is left to use");
+}
+
+TEST(Clock, RisesStrictlyWhateverTheJumps) {
+  RigTest test = loops(12);
+  test.time[700] -= 50.0;  // a part of one sample
+  for (std::size_t i = 1300; i < 1304; ++i) test.time[i] = test.time[1299];
+  test.corrections.push_back(CorrectionKind::segment_at_jumps);
+  const Prepared prepared(test);
+  for (std::size_t i = 1; i < prepared.test.time.size(); ++i) {
+    EXPECT_GT(prepared.test.time[i], prepared.test.time[i - 1]) << i;
+  }
+}
+
 TEST(PhaseBreak, IsNotAnotherWaveFormNorNoise) {
   RigTest triangle = loops(), noisy = loops();
   std::mt19937 random(3);
