@@ -99,7 +99,7 @@ void straight_results(const System& system, const RunSeries& series, const Inter
     sheet.result("link_passing_torque_N_m", line.amplitude, "N m",
                  "amplitude of the left sprocket's torque at link passing");
     sheet.result("link_passing_torque_background_N_m", line.background, "N m", "median amplitude around it");
-    if (std::abs(v) >= k_brisk) {
+    if (std::abs(v) >= k_brisk && system.ground.level()) {  // rough ground drowns the line
       sheet.check("Link-passing line in the sprocket torque over its background", line.amplitude / line.background, "1",
                   "at least 20", line.amplitude >= 20.0 * line.background);
     }

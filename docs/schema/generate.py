@@ -15,7 +15,7 @@ PRESSURE = f"(Pa|kPa|MPa|GPa|bar|{FORCE}_per_{AREA})"
 FREQUENCY = "(Hz|kHz|rpm)"
 UNITS = {
     "length": LENGTH, "angle": ANGLE, "time": TIME, "mass": MASS, "force": FORCE, "torque": TORQUE,
-    "area": AREA, "volume": VOLUME, "pressure": PRESSURE, "frequency": "(Hz|kHz)",
+    "area": AREA, "volume": VOLUME, "power": "(W|kW)", "pressure": PRESSURE, "frequency": "(Hz|kHz)",
     "speed": f"{LENGTH}_per_{TIME}", "angular speed": f"({ANGLE}_per_{TIME}|rpm)",
     "acceleration": f"{LENGTH}_per_(s2|{TIME}_{TIME})", "inertia": f"{MASS}_{AREA}",
     "stiffness": f"{FORCE}_per_{LENGTH}", "angular stiffness": f"{TORQUE}_per_{ANGLE}",
@@ -291,9 +291,29 @@ VEHICLE = document("vehicle", "A tracked vehicle", name=TEXT, chassis=record(**M
                    left=side_or_mirror("right"), right=side_or_mirror("left"), visual_=VISUAL, provenance_=PROVENANCE)
 
 # --- scenario.json
-DRIVE = record(time=("time", {**NUMBERS, "minItems": 1}), speed=("angular speed", {**NUMBERS, "minItems": 1}))
+DRIVE_TIME = ("time", {**NUMBERS, "minItems": 1})
+DRIVE_BY_SPEED = record(time=DRIVE_TIME, speed=("angular speed", {**NUMBERS, "minItems": 1}))
+DRIVE_BY_TORQUE = record(time=DRIVE_TIME, torque=("torque", {**NUMBERS, "minItems": 1}),
+                         drag_=("angular damping", NOT_NEGATIVE))
+DRIVER = record(time=DRIVE_TIME, target_speed=("speed", {**NUMBERS, "minItems": 1}), power=("power", POSITIVE),
+                largest_torque=("torque", POSITIVE), brake_torque=("torque", NOT_NEGATIVE),
+                response_time_=("time", POSITIVE))
+DRIVE = {"anyOf": [DRIVE_BY_SPEED, DRIVE_BY_TORQUE, DRIVER]}
+GROUND_SIDE = one_of("both", "left", "right")
+OBSTACLE = {"anyOf": [
+    record(kind=one_of("half_round"), side_=GROUND_SIDE, position=("length", NUMBER), radius=("length", POSITIVE)),
+    record(kind=one_of("trapezoid"), side_=GROUND_SIDE, position=("length", NUMBER), height=("length", POSITIVE),
+           base=("length", POSITIVE), top=("length", POSITIVE))]}
+TERRAIN = record(
+    friction_=NOT_NEGATIVE, slope_=NUMBER, cross_slope_=NUMBER, median_=("length", POSITIVE),
+    friction_zones_=list_of(record(side_=GROUND_SIDE, **{"from": ("length", NUMBER)}, to=("length", NUMBER),
+                                   friction=NOT_NEGATIVE)),
+    profile_=record(file=TEXT, start_=("length", NUMBER)),
+    iso_8608_=record(**{"class": one_of(*"ABCDEFGH")}, seed=whole(0), start_=("length", NUMBER),
+                     length=("length", POSITIVE)),
+    obstacles_=list_of(OBSTACLE))
 SCENARIO = document(
-    "scenario", "What a vehicle does", name=TEXT, vehicle=TEXT, bushing=TEXT, terrain_=record(friction_=NOT_NEGATIVE),
+    "scenario", "What a vehicle does", name=TEXT, vehicle=TEXT, bushing=TEXT, terrain_=TERRAIN,
     drive=record(left=DRIVE, right=DRIVE), duration=("time", POSITIVE), gravity_=("acceleration", POSITIVE),
     output_=record(rate_=("frequency", POSITIVE), probe_rate_=("frequency", POSITIVE),
                    probes_=list_of(record(side=one_of("left", "right"), link=whole(0)))),
