@@ -208,10 +208,13 @@ json fit_verdict(const FitRecord& fit) {
   const auto met = std::ranges::count_if(table["axes"], passes);
   const auto axes = static_cast<long>(fit.axes.size());
   const bool calibrated = std::ranges::all_of(campaign, passes), pass = axes > 0 && met == axes && calibrated;
-  std::string text =
-      axes == 0     ? "No axis could be identified"
-      : met == axes ? fmt::format("Every limit is met on {}", axes == 1 ? "the axis" : fmt::format("all {} axes", axes))
-                    : fmt::format("{} of {} axes meet every limit. Not met: {}", met, axes, failures_text(table));
+  std::string text = "No axis could be identified";
+  if (axes > 0 && met == axes)
+    text = fmt::format("Every limit is met on {}", axes == 1 ? "the axis" : fmt::format("all {} axes", axes));
+  else if (axes > 0)
+    text = fmt::format("{}. Not met: {}",
+                       axes == 1 ? "The axis misses a limit" : fmt::format("{} of {} axes meet every limit", met, axes),
+                       failures_text(table));
   if (!calibrated) text += "; the sensors’ calibration record does not fit their calibration";
   const auto total = static_cast<long>(fit.tests.size());
   const long used = total - static_cast<long>(std::ranges::count_if(fit.tests, left_out));

@@ -96,8 +96,8 @@ Figure overlay_figure(const std::vector<Compared>& fits) {
     figure.panels.push_back(response_overlay(fits, &ResponsePoint::loss_factor, "Loss factor [1]", 1.0));
   }
   figure.columns = 2;
-  figure.width = 900;
-  figure.height = 285 * static_cast<int>((figure.panels.size() + 1) / 2);
+  figure.width = 800;
+  figure.height = 260 * static_cast<int>((figure.panels.size() + 1) / 2);
   return figure;
 }
 

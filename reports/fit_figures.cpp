@@ -14,7 +14,7 @@ namespace grouser {
 namespace {
 
 constexpr int k_blue = 0, k_orange = 1;                     // entries of the palette: measured, computed
-constexpr int k_tile_width = 300, k_wide_tile_width = 450;  // CSS pixels of one small multiple
+constexpr int k_tile_width = 300, k_wide_tile_width = 400;  // CSS pixels of one small multiple
 
 std::vector<double> times(std::vector<double> values, double factor) {
   for (double& value : values) value *= factor;
@@ -93,10 +93,11 @@ std::optional<Figure> figure_loops(const std::vector<const TestFit*>& tests, con
     panels.push_back(std::move(panel));
   }
   if (panels.empty()) return std::nullopt;
+  const bool few = panels.size() <= 2;  // and then there is room
   return multiples(std::string("loops_") + name_of(tests.front()->axis), "Every test",
                    "Measured force over displacement of the last cycle used at each amplitude, and the response of "
                    "the law over it.",
-                   std::move(panels), k_tile_width, 225, 3);
+                   std::move(panels), few ? k_wide_tile_width : k_tile_width, few ? 300 : 225, few ? 2 : 3);
 }
 
 std::optional<Figure> figure_residuals(const std::vector<const TestFit*>& tests) {
@@ -301,7 +302,7 @@ std::optional<Figure> figure_stiffness(const AxisFit& axis, const std::vector<co
   return multiples(std::string("stiffness_") + name_of(axis.axis), "Stiffness and loss factor",
                    "Storage stiffness and loss factor: the law (line) with its 95 % band, and the measured loops "
                    "(points).",
-                   std::move(panels), k_wide_tile_width, 285, 2);
+                   std::move(panels), k_wide_tile_width, 260, 2);
 }
 
 std::optional<Figure> figure_energy(const AxisFit& axis, const std::vector<const TestFit*>& tests) {
@@ -316,7 +317,7 @@ std::optional<Figure> figure_energy(const AxisFit& axis, const std::vector<const
   return multiples(std::string("energy_") + name_of(axis.axis), "Energy over amplitude",
                    "Energy turned into heat in a cycle: the law (line) with its 95 % band, and the measured loops "
                    "(points); beside it what the logarithmic scale hides.",
-                   std::move(panels), k_wide_tile_width, 285, 2);
+                   std::move(panels), k_wide_tile_width, 260, 2);
 }
 
 std::optional<Figure> figure_gain(const std::vector<const TestFit*>& tests) {
@@ -350,7 +351,7 @@ std::optional<Figure> figure_gain(const std::vector<const TestFit*>& tests) {
                    "By how much the measured force of a test is larger than the law’s as a whole. A trend over "
                    "frequency says that a Maxwell branch is missing, one over amplitude that a friction stop is; "
                    "scatter is remounting of the specimen.",
-                   std::move(panels), k_wide_tile_width, 240, 2);
+                   std::move(panels), k_wide_tile_width, 220, 2);
 }
 
 // ------------------------------------------------------------------------------------------------- law as a whole
@@ -435,7 +436,7 @@ std::optional<Figure> figure_selection(const AxisFit& axis) {
   return multiples(std::string("selection_") + name_of(axis.axis), "Size of the law",
                    "Error on tests that the law was not fitted to, over the number of its elements: too few miss the "
                    "rubber, too many follow the noise, and each costs time in every step of a run.",
-                   {std::move(panel)}, k_wide_tile_width, 285, 1);
+                   {std::move(panel)}, k_wide_tile_width, 260, 1);
 }
 
 }  // namespace grouser
