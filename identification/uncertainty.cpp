@@ -126,6 +126,10 @@ void state_limits(const AxisData& data, AxisFit& fit) {
         "all data run at {:.3g} cycles a second: rate dependence is unknown and all damping is written as friction",
         data.highest_frequency));
   }
+  if (data.closed && data.largest_amplitude <= 1.05 * data.smallest_amplitude) {
+    fit.not_identified.push_back(
+        "all loops have one amplitude: how stiffness and damping depend on amplitude is unknown");
+  }
   const bool one_test =
       std::ranges::all_of(data.blocks, [&](const DataBlock& b) { return b.test == data.blocks.front().test; });
   if (one_test) {
