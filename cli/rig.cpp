@@ -7,6 +7,7 @@
 
 #include "cli/command.h"
 #include "cli/stages.h"
+#include "identification/corrections.h"
 #include "identification/evaluate_fit.h"
 #include "model/errors.h"
 #include "model/rig_writer.h"
@@ -108,11 +109,12 @@ struct VirtualCampaign {
 VirtualCampaign drive_campaign(const RigRecord& rig, const Bushing& bushing, const Progress& progress) {
   VirtualCampaign made;
   std::set<std::string> taken;
+  std::vector<PreparedTest> tests;
   for (const RigTest& test : rig.tests) {
     const double fraction = static_cast<double>(made.rig.tests.size()) / static_cast<double>(rig.tests.size());
     if (progress && !progress({fraction, test.name})) throw NumericalError("interrupted before: " + test.name);
     std::vector<FitWarning> about_data;
-    const PreparedTest prepared = prepare_test(test, rig, about_data, made.replay.corrections);
+    const PreparedTest& prepared = tests.emplace_back(prepare_test(test, rig, about_data, made.replay.corrections));
     RigWrench wrench = run_virtual_rig(bushing, test.axis, prepared.time, prepared.displacement);
     std::vector<double>& force = wrench[static_cast<std::size_t>(index_of(test.axis))];
     made.replay.tests.push_back(evaluate_fit(prepared, force));
@@ -121,6 +123,7 @@ VirtualCampaign drive_campaign(const RigRecord& rig, const Bushing& bushing, con
     warn_of_range(prepared, bushing.axis(test.axis), made.replay.warnings);
     made.rig.tests.push_back(virtual_test(prepared, std::move(force), taken));
   }
+  std::ranges::copy(campaign_corrections(tests, rig), std::back_inserter(made.replay.corrections));
   made.rig.specimen = made.replay.bushing = bushing.name;
   made.replay.specimen = rig.specimen;
   made.rig.synthetic = true;
