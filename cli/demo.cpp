@@ -57,7 +57,9 @@ ExitCode make_parts(const fs::path& data, const fs::path& folder, Console& conso
   const fs::path fitted = folder / "identification";
   std::vector<Job> identify, drive, film;
   identify.push_back(guarded(1.0, console, [&](const Progress& tell) {
-    static_cast<void>(identify_into(data / "rig" / "reference" / "rig.json", fitted, 2, tell));
+    const fs::path rig = data / "rig" / "reference" / "rig.json";
+    static_cast<void>(identify_into(rig, fitted, 2, part_of(tell, 0.0, 0.9)));
+    rig_into(rig, fitted / "bushing.json", folder / "virtual_rig", part_of(tell, 0.9, 1.0));
     return ExitCode::done;
   }));
   for (const auto& [name, weight] : {std::pair{"run_a", 17.0}, std::pair{"run_b", 6.0}}) {  // seconds of run and film
@@ -118,7 +120,7 @@ Command add_demo(CLI::App& root) {
   CLI::App* app =
       root.add_subcommand("demo", "The whole pipeline on the synthetic reference data; ends with an index.html");
   const auto options = std::make_shared<Options>();
-  app->add_option("-o,--output", options->folder, "Folder of index.html, identification, run_a and run_b")
+  app->add_option("-o,--output", options->folder, "Folder of index.html, identification, virtual_rig, run_a and run_b")
       ->type_name("DIR")
       ->capture_default_str();
   app->add_option("--data", options->data, "Folder with rig, vehicles and scenarios [test_data of the sources]")

@@ -47,10 +47,13 @@ class Demo(unittest.TestCase):
             self.assertEqual(done.stdout.splitlines()[-1], os.path.join(folder, "index.html"))
             expected = ["index.html", "report.html", "report.json"]
             expected += ["identification/" + name for name in ("bushing.json", "fit.json", "report.html", "report.json")]
+            expected += ["virtual_rig/" + name for name in ("rig.json", "replay.json", "report.html", "report.json")]
             for part in ("run_a/", "run_b/"):
                 expected += [part + name for name in ("run.h5", "run.json", "film.mp4", "report.html", "report.json")]
             for name in expected:
                 self.assertGreater(os.path.getsize(os.path.join(folder, name)), 0, name)
+            with open(os.path.join(folder, "index.html"), encoding="utf-8") as file:
+                self.assertIn("virtual_rig/report.html", file.read())
             stills = [name for name in os.listdir(os.path.join(folder, "run_a")) if name.startswith("still_")]
             self.assertEqual(len(stills), 3)
             with open(os.path.join(folder, "run_a/run.json"), encoding="utf-8") as file:
