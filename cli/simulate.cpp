@@ -16,6 +16,7 @@ namespace fs = std::filesystem;
 struct Options {
   SimulateRequest request;
   int threads = 1;
+  bool resume = false;
 };
 
 /// `path=value` of --set; the parser has made sure of the sign.
@@ -29,7 +30,8 @@ Result run(const Options& options, Console& console) {
   const Scenario scenario = read_request(options.request);
   const fs::path folder = options.request.folder.empty() ? fs::path(options.request.scenario_file).stem()
                                                          : fs::path(options.request.folder);
-  const RunSummary summary = simulate(scenario, folder, console.progress("simulate"));
+  const Progress progress = console.progress("simulate");
+  const RunSummary summary = options.resume ? resume(scenario, folder, progress) : simulate(scenario, folder, progress);
 
   Result result;
   result.code = exit_code(summary.status);
@@ -114,6 +116,9 @@ Command add_simulate(CLI::App& root) {
       ->check(CLI::PositiveNumber)
       ->type_name("N")
       ->capture_default_str();
+  app->add_flag("--resume", options->resume,
+                "Go on with a run that was stopped or killed, from its last checkpoint; the result is the same to the "
+                "byte");
   app->footer("A run that fails or is interrupted keeps what it computed, with its reason in run.json.");
   return {app, [options](Console& console) { return run(*options, console); }};
 }

@@ -32,14 +32,18 @@ struct ChannelTable {
 /// Appends rows to run.h5; readable up to the last flush if the process is killed. Throws FileError.
 class RunWriter {
  public:
-  /// names: string datasets written once ("/joints/names" -> ...).
+  /// names: string datasets written once ("/joints/names" -> ...). kept_rows, by table: so many rows of the file that
+  /// stands there already begin the new one, which replaces it once they are in it.
   RunWriter(const std::filesystem::path& file, std::vector<ChannelTable> tables,
-            const std::map<std::string, std::vector<std::string>>& names);
+            const std::map<std::string, std::vector<std::string>>& names,
+            const std::vector<std::size_t>& kept_rows = {});
   ~RunWriter();
   RunWriter(const RunWriter&) = delete;
   RunWriter& operator=(const RunWriter&) = delete;
   void append(std::size_t table, std::span<const double> row);
   void flush();
+  /// Flushes down to the disk and returns the rows that stand there, by table.
+  [[nodiscard]] std::vector<std::size_t> sync();
   void close();
 
  private:

@@ -1,3 +1,6 @@
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <numeric>
 
@@ -119,8 +122,12 @@ struct RunWriter::Impl {
   Hdf5Handle file;
   std::vector<Pending> tables;
 
+  void open(std::vector<ChannelTable> channel_tables, const std::map<std::string, std::vector<std::string>>& names);
   void write_channel(Pending& table, std::size_t channel_i, std::size_t offset);
   void write_pending(Pending& table);
+  void copy_rows(Pending& table, const RunReader& from, std::size_t count);
+  void append(Pending& table, std::span<const double> row);
+  void flush();
 };
 
 void RunWriter::Impl::write_channel(Pending& table, std::size_t channel_i, std::size_t offset) {
@@ -156,26 +163,72 @@ void RunWriter::Impl::write_pending(Pending& table) {
   table.rows.clear();
 }
 
-RunWriter::RunWriter(const std::filesystem::path& file, std::vector<ChannelTable> tables,
-                     const std::map<std::string, std::vector<std::string>>& names)
-    : impl_(std::make_unique<Impl>()) {
-  silence_hdf5();
-  impl_->path = file;
-  impl_->file = create_file(file);
-  for (ChannelTable& table : tables) {
-    Pending& pending = impl_->tables.emplace_back();
+void RunWriter::Impl::append(Pending& table, std::span<const double> row) {
+  if (row.size() != table.row_size) throw std::invalid_argument("row size of table " + table.table.name);
+  table.rows.insert(table.rows.end(), row.begin(), row.end());
+  if (table.rows_pending() >= table.chunk_rows) write_pending(table);
+}
+
+void RunWriter::Impl::flush() {
+  for (Pending& table : tables) write_pending(table);
+  if (H5Fflush(file.id(), H5F_SCOPE_GLOBAL) < 0) fail_hdf5("flush", path);
+  make_superblock_readable(path);
+}
+
+void RunWriter::Impl::open(std::vector<ChannelTable> channel_tables,
+                           const std::map<std::string, std::vector<std::string>>& names) {
+  file = create_file(path);
+  for (ChannelTable& table : channel_tables) {
+    Pending& pending = tables.emplace_back();
     pending.table = std::move(table);
     pending.row_size = pending.table.row_size();
     pending.chunk_rows = rows_per_chunk(pending.table);
     pending.rows.reserve(pending.row_size * pending.chunk_rows);
     for (const Channel& channel : pending.table.channels) {
       pending.datasets.push_back(
-          checked(create_dataset(impl_->file.id(), channel, pending.chunk_rows), "create " + channel.path, file));
+          checked(create_dataset(file.id(), channel, pending.chunk_rows), "create " + channel.path, path));
     }
   }
-  for (const auto& [path, texts] : names) write_names(impl_->file.id(), path, texts);
+  for (const auto& [name, texts] : names) write_names(file.id(), name, texts);
   // From here on HDF5 orders its writes so that the file on the disk is always a valid one.
-  if (H5Fstart_swmr_write(impl_->file.id()) < 0) fail_hdf5("start writing", file);
+  if (H5Fstart_swmr_write(file.id()) < 0) fail_hdf5("start writing", path);
+}
+
+/// The first `count` rows of an earlier file, a chunk at a time. 32-bit values stay what they are.
+void RunWriter::Impl::copy_rows(Pending& table, const RunReader& from, std::size_t count) {
+  std::vector<Array> parts(table.table.channels.size());
+  std::vector<double> row;
+  for (std::size_t first = 0; first < count; first += table.chunk_rows) {
+    const std::size_t rows = std::min(table.chunk_rows, count - first);
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      parts[i] = from.read_rows(table.table.channels[i].path, first, rows);
+    }
+    for (std::size_t r = 0; r < rows; ++r) {
+      row.clear();
+      for (const Array& part : parts) row.insert(row.end(), part.row(r).begin(), part.row(r).end());
+      append(table, row);
+    }
+  }
+}
+
+RunWriter::RunWriter(const std::filesystem::path& file, std::vector<ChannelTable> tables,
+                     const std::map<std::string, std::vector<std::string>>& names,
+                     const std::vector<std::size_t>& kept_rows)
+    : impl_(std::make_unique<Impl>()) {
+  silence_hdf5();
+  if (kept_rows.empty()) {
+    impl_->path = file;
+    impl_->open(std::move(tables), names);
+    return;
+  }
+  // Not cut to length in place: a kill while a file is cut would leave neither the old run nor the new one.
+  impl_->path = file.string() + ".part";
+  impl_->open(std::move(tables), names);
+  const RunReader earlier(file);
+  for (std::size_t i = 0; i < kept_rows.size(); ++i) impl_->copy_rows(impl_->tables.at(i), earlier, kept_rows[i]);
+  static_cast<void>(sync());
+  std::filesystem::rename(impl_->path, file);
+  impl_->path = file;
 }
 
 RunWriter::~RunWriter() {
@@ -185,17 +238,19 @@ RunWriter::~RunWriter() {
   }
 }
 
-void RunWriter::append(std::size_t table, std::span<const double> row) {
-  Pending& pending = impl_->tables[table];
-  if (row.size() != pending.row_size) throw std::invalid_argument("row size of table " + pending.table.name);
-  pending.rows.insert(pending.rows.end(), row.begin(), row.end());
-  if (pending.rows_pending() >= pending.chunk_rows) impl_->write_pending(pending);
-}
+void RunWriter::append(std::size_t table, std::span<const double> row) { impl_->append(impl_->tables[table], row); }
 
-void RunWriter::flush() {
-  for (Pending& table : impl_->tables) impl_->write_pending(table);
-  if (H5Fflush(impl_->file.id(), H5F_SCOPE_GLOBAL) < 0) fail_hdf5("flush", impl_->path);
-  make_superblock_readable(impl_->path);
+void RunWriter::flush() { impl_->flush(); }
+
+std::vector<std::size_t> RunWriter::sync() {
+  impl_->flush();
+  const int descriptor = ::open(impl_->path.c_str(), O_RDONLY);
+  const bool synced = descriptor >= 0 && ::fsync(descriptor) == 0;
+  if (descriptor >= 0) ::close(descriptor);
+  if (!synced) fail_hdf5("sync", impl_->path);
+  std::vector<std::size_t> rows;
+  for (const Pending& table : impl_->tables) rows.push_back(table.rows_written);
+  return rows;
 }
 
 void RunWriter::close() {

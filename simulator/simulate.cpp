@@ -11,6 +11,7 @@
 #include "model/errors.h"
 #include "simulator/assembly.h"
 #include "simulator/channels.h"
+#include "simulator/checkpoint.h"
 #include "simulator/drive.h"
 #include "simulator/results.h"
 #include "simulator/track_watch.h"
@@ -18,9 +19,18 @@
 namespace grouser {
 namespace {
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
+/// Wall time, that of the run's earlier parts included.
+class Stopwatch {
+ public:
+  explicit Stopwatch(double earlier = 0.0) : earlier_(earlier) {}
+  [[nodiscard]] double seconds() const {
+    return earlier_ + std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  double earlier_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
 
 /// Writes one of the sampled tables at a constant rate, between accepted states.
 class Sampler {
@@ -48,6 +58,11 @@ class Sampler {
     return true;
   }
 
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(count_);
+  }
+
  private:
   const ChannelRows& rows_;
   RunTable table_;
@@ -57,28 +72,70 @@ class Sampler {
   std::vector<double> before_, after_, row_;
 };
 
+/// What is known of a run when its first step is due, and what a resumed one starts from.
+struct RunStart {
+  Assembled assembled;
+  double assembly_wall_time = 0.0;     // s
+  double wall_time = 0.0;              // s, of the parts before
+  std::vector<std::size_t> kept_rows;  // of run.h5, by table; empty for a run from its beginning
+};
+
+template <typename Archive>
+void archive(Archive& a, RunStart& start) {
+  auto& [assembled, assembly_wall_time, wall_time, kept_rows] = start;
+  a(assembled, assembly_wall_time, wall_time, kept_rows);
+}
+
 /// A run from its assembled state to its end.
 class Run {
  public:
-  Run(const System& system, const Assembled& assembled, const std::filesystem::path& folder)
+  Run(const System& system, const RunStart& start, const std::filesystem::path& folder)
       : system_(system),
-        stepper_(system, assembled.state, assembled.knobs),
+        start_(start),
+        folder_(folder),
+        identity_(identity_of(system.scenario)),
+        watch_(start.wall_time),
+        stepper_(system, start.assembled.state, start.assembled.knobs),
         book_(open_book(stepper_.work().energy)),
         previous_book_(book_),
         rows_(system),
-        writer_(folder / "run.h5", rows_.tables(), rows_.names()),
+        writer_(folder / "run.h5", rows_.tables(), rows_.names(), start.kept_rows),
         samples_(rows_, RunTable::samples, system.scenario.output.rate, writer_),
         probes_(rows_, RunTable::probes, system.scenario.output.probe_rate, writer_),
-        counters_{ToothCounter(system, assembled.state, Side::left),
-                  ToothCounter(system, assembled.state, Side::right)} {
+        counters_{ToothCounter(system, start.assembled.state, Side::left),
+                  ToothCounter(system, start.assembled.state, Side::right)} {
     series_.least_tension = std::numeric_limits<double>::infinity();
     series_.largest_tension = -std::numeric_limits<double>::infinity();
     steady_ = steady_drive(system.scenario);
     for (const DriveTable& table : system.scenario.drive) {
       for (const double speed : table.speed) largest_rate_ = std::max(largest_rate_, std::abs(speed));
     }
+  }
+
+  /// Writes the state of time 0.
+  void begin() {
     record(snapshot(), snapshot());
     writer_.flush();
+  }
+
+  /// Takes over the memory of the run so far.
+  void take(CheckpointReader& checkpoint) {
+    checkpoint(*this);
+    CheckpointWriter stored, found;
+    Acceleration archived = stepper_.acceleration(), evaluated = stepper_.reevaluate();
+    stored(archived);
+    found(evaluated);
+    if (stored.payload() == found.payload()) return;
+    throw InputError(InputFinding{(folder_ / "checkpoint").string(), "", "accelerations that this program finds again",
+                                  "others: it was written by another build or machine",
+                                  "start the run without --resume"});
+  }
+
+  /// What it remembers from step to step.
+  template <typename Archive>
+  void archive(Archive& a) {
+    auto& [accepted, min, mean, max] = steps_;
+    a(stepper_, book_, samples_, probes_, counters_, series_, accepted, min, mean, max, flushed_, saved_);
   }
 
   /// Steps to the end; returns the status and fills the summary's message.
@@ -95,11 +152,12 @@ class Run {
       while (stepper_.state().time < corner) {
         if (const RunStatus status = advance_to(corner, summary); status != RunStatus::completed) return status;
         if (steps_.accepted % k_steps_between_reports != 0) continue;
-        if (!report(progress, duration, summary)) return RunStatus::stopped;
-        if (stepper_.state().time >= flushed_ + k_flush_period) {
-          flushed_ = stepper_.state().time;
-          writer_.flush();
+        if (!report(progress, duration, summary)) {
+          save();
+          return RunStatus::stopped;
         }
+        if (stepper_.state().time >= saved_ + k_save_period) save();
+        if (stepper_.state().time >= flushed_ + k_flush_period) flush();
       }
     }
     if (book_.residual_fraction() >= k_largest_residual) return chatter(summary);
@@ -107,7 +165,9 @@ class Run {
     return RunStatus::completed;
   }
 
-  void finish(const Assembled& assembled, RunSummary& summary) {
+  void finish(RunSummary& summary) {
+    summary.wall_time = watch_.seconds();
+    summary.assembly_wall_time = start_.assembly_wall_time;
     writer_.close();
     summary.simulated_time = stepper_.state().time;
     steps_.mean = steps_.accepted > 0 ? stepper_.state().time / static_cast<double>(steps_.accepted) : 0.0;
@@ -122,7 +182,7 @@ class Run {
     summary.energy.residual = book_.residual();
     summary.energy.residual_fraction = book_.residual_fraction();
     for (std::size_t s = 0; s < k_num_sides; ++s) series_.skipped_teeth[s] = counters_[s].skipped();
-    add_results(system_, assembled, series_, book_, summary);
+    add_results(system_, start_.assembled, series_, book_, summary);
     summary.results.push_back({"mean_step_s", steps_.mean, "s", "mean accepted step"});
   }
 
@@ -131,7 +191,23 @@ class Run {
   static constexpr long k_steps_between_reports = 500;
   static constexpr long k_steps_between_tooth_counts = 20;  // far less than a tooth at any speed a step can follow
   static constexpr double k_flush_period = 0.25;            // s simulated; what a killed run loses at most
+  static constexpr double k_save_period = 1.0;              // s simulated; what --resume computes again at most
   static constexpr double k_still_share = 0.02;             // of the largest sprocket speed
+
+  void flush() {
+    flushed_ = stepper_.state().time;
+    writer_.flush();
+  }
+
+  /// Writes the checkpoint, its rows before it.
+  void save() {
+    saved_ = flushed_ = stepper_.state().time;
+    RunStart now{start_.assembled, start_.assembly_wall_time, watch_.seconds(), writer_.sync()};
+    CheckpointWriter parts;
+    parts(now);
+    parts(*this);
+    write_checkpoint(folder_, identity_, parts);
+  }
 
   [[nodiscard]] Snapshot snapshot() const {
     return {stepper_.state(), stepper_.work(), stepper_.acceleration(), book_};
@@ -281,6 +357,10 @@ class Run {
   }
 
   const System& system_;
+  const RunStart& start_;
+  std::filesystem::path folder_;
+  CheckpointIdentity identity_;
+  Stopwatch watch_;
   Stepper stepper_;
   EnergyBook book_, previous_book_;
   ChannelRows rows_;
@@ -291,6 +371,7 @@ class Run {
   std::optional<Interval> steady_;
   double largest_rate_ = 0.0;  // rad/s, of any sprocket
   double flushed_ = 0.0;       // s, time of the last flush
+  double saved_ = -1.0;        // s, time of the last checkpoint; the first one is due at once
   struct {
     long accepted = 0;
     double min = 1.0, mean = 0.0, max = 0.0;
@@ -312,35 +393,68 @@ RunSummary start_summary(const System& system) {
   return summary;
 }
 
+/// Should this run be killed, its channels stand beside a summary that says so, not beside that of an earlier run.
+void mark_as_running(RunSummary& summary, const std::filesystem::path& folder) {
+  summary.status = RunStatus::stopped;
+  summary.message = "still running, or killed";
+  write_run_summary(summary, folder / "run.json");
+}
+
+RunSummary go(Run& run, RunSummary& summary, const std::filesystem::path& folder, const Progress& progress) {
+  summary.status = run.go(progress, summary);
+  run.finish(summary);
+  write_run_summary(summary, folder / "run.json");
+  return summary;
+}
+
+/// A run that came to its end, well or not, would come to the same end again.
+void refuse_ended(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / "run.json";
+  if (!std::filesystem::exists(file)) return;
+  const RunSummary earlier = read_run_summary(file);
+  if (earlier.status == RunStatus::stopped) return;
+  throw InputError(InputFinding{file.string(), "/status", "a run that was stopped or killed",
+                                fmt::format("{}: {}", name_of(earlier.status), earlier.message),
+                                "start the run without --resume"});
+}
+
+/// Share of the progress bar.
+constexpr double k_assembly_share = 0.25;
+
 }  // namespace
 
 RunSummary simulate(const Scenario& scenario, const std::filesystem::path& folder, const Progress& progress) {
   const System system = compile(scenario);
   RunSummary summary = start_summary(system);
-  constexpr double k_assembly_share = 0.25;  // of the progress bar
-  auto start = std::chrono::steady_clock::now();
-  const Assembled assembled = assemble(system, [&](const ProgressReport& r) {
+  const Stopwatch watch;
+  RunStart start;
+  start.assembled = assemble(system, [&](const ProgressReport& r) {
     return !progress || progress({k_assembly_share * r.fraction, r.what});
   });
-  summary.assembly_wall_time = seconds_since(start);
+  start.assembly_wall_time = watch.seconds();
 
   std::filesystem::create_directories(folder);
-  // Should this run be killed, its channels stand beside a summary that says so, not beside that of an earlier run.
-  summary.status = RunStatus::stopped;
-  summary.message = "still running, or killed";
-  write_run_summary(summary, folder / "run.json");
+  std::filesystem::remove(folder / "checkpoint");
+  mark_as_running(summary, folder);
   write_inputs(scenario, folder);
-  start = std::chrono::steady_clock::now();
-  Run run(system, assembled, folder);
-  summary.status = run.go(
-      [&](const ProgressReport& r) {
-        return !progress || progress({k_assembly_share + (1.0 - k_assembly_share) * r.fraction, r.what});
-      },
-      summary);
-  summary.wall_time = seconds_since(start);
-  run.finish(assembled, summary);
-  write_run_summary(summary, folder / "run.json");
-  return summary;
+  Run run(system, start, folder);
+  run.begin();
+  return go(run, summary, folder, [&](const ProgressReport& r) {
+    return !progress || progress({k_assembly_share + (1.0 - k_assembly_share) * r.fraction, r.what});
+  });
+}
+
+RunSummary resume(const Scenario& scenario, const std::filesystem::path& folder, const Progress& progress) {
+  refuse_ended(folder);
+  const System system = compile(scenario);
+  RunSummary summary = start_summary(system);
+  CheckpointReader checkpoint = read_checkpoint(folder, identity_of(scenario));
+  RunStart start;
+  checkpoint(start);
+  Run run(system, start, folder);
+  run.take(checkpoint);
+  mark_as_running(summary, folder);
+  return go(run, summary, folder, progress);
 }
 
 }  // namespace grouser

@@ -155,6 +155,17 @@ void Stepper::restart() {
   limit_ = options.fixed_step > 0.0 ? StepLimit::fixed : StepLimit::growth;
 }
 
+const Acceleration& Stepper::reevaluate() {
+  State& now = states_[now_];
+  const State& before = states_[1 - now_];
+  const double time = now.time;
+  now.time =
+      before.time + previous_h_;  // as advance() had it; the last step to `until` was set to that time afterwards
+  evaluate(system_, knobs, before.history, previous_h_, now, works_[now_], accelerations_[f_next_]);
+  now.time = time;
+  return accelerations_[f_next_];
+}
+
 StepStatus Stepper::step(double until) {
   const IntegratorOptions& options = system_.scenario.integrator;
   for (;;) {

@@ -32,6 +32,16 @@ class Stepper {
   /// Evaluates the current state anew after knobs or options changed; the next step starts like the first.
   void restart();
 
+  /// What it remembers from step to step, for a checkpoint (simulator/checkpoint.h).
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(states_[now_], states_[1 - now_], accelerations_[f_now_], accelerations_[f_before_], h_, previous_h_, limit_,
+      last_limit_, last_error_, rejected_, evaluations_, worst_link_);
+  }
+  /// Fills the workspace of an archived state as the step that led to it did. Returns the accelerations that come out;
+  /// the same program on the same machine finds those that were archived, to the last bit.
+  [[nodiscard]] const Acceleration& reevaluate();
+
   AssemblyKnobs knobs;
   [[nodiscard]] State& state() { return states_[now_]; }
   [[nodiscard]] const State& state() const { return states_[now_]; }

@@ -23,6 +23,11 @@ class ToothCounter {
   ToothCounter(const System& system, const State& state, Side side);
   void update(const System& system, const State& state);
   [[nodiscard]] double skipped() const { return links_ - teeth_; }
+  /// Its memory, for a checkpoint.
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(last_index_, links_, teeth_, start_angle_);
+  }
 
  private:
   [[nodiscard]] std::optional<double> pin_index(const System& system, const State& state) const;

@@ -1,0 +1,131 @@
+"""A run that was killed or stopped, and resumed, gives the bytes of one that was never stopped."""
+
+import json
+import os
+import random
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+
+import h5py
+
+from command import COMMAND, DATA, run
+
+SCENARIO = os.path.join(DATA, "scenarios/m113.json")
+OPTIONS = ["--set", "duration_s=1.2", "--set", "assembly.settle_time_s=2.6"]  # a quick settling
+CLOCK = ("wall_time_s", "assembly_wall_time_s", "real_time_factor")
+
+
+def datasets(folder):
+    """Name -> (shape, bytes) of everything in run.h5."""
+    found = {}
+
+    def keep(name, item):
+        if isinstance(item, h5py.Dataset):
+            value = item[()]
+            found[name] = (item.shape, value.tolist() if value.dtype == object else value.tobytes())
+
+    with h5py.File(os.path.join(folder, "run.h5"), "r") as file:
+        file.visititems(keep)
+    return found
+
+
+def summary(folder):
+    with open(os.path.join(folder, "run.json"), encoding="utf-8") as file:
+        return {key: value for key, value in json.load(file).items() if key not in CLOCK}
+
+
+class Resume(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory()
+        cls.whole = os.path.join(cls.temporary.name, "whole")
+        os.mkdir(cls.whole)
+        started = time.monotonic()
+        run("simulate", SCENARIO, "-o", "run", *OPTIONS, cwd=cls.whole)
+        cls.patience = 20 * (time.monotonic() - started)  # s; a loaded machine is slower, but not twenty times
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.temporary.cleanup()
+
+    def folder(self, name):
+        path = os.path.join(self.temporary.name, name)
+        os.mkdir(path)
+        return path
+
+    def start(self, folder, *more):
+        return subprocess.Popen([COMMAND, "simulate", SCENARIO, "-o", "run", *OPTIONS, *more], cwd=folder,
+                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+    def wait_for_checkpoint(self, folder, process):
+        give_up = time.monotonic() + self.patience
+        while not os.path.exists(os.path.join(folder, "run", "checkpoint")):
+            self.assertIsNone(process.poll(), "the run ended before its first checkpoint")
+            self.assertLess(time.monotonic(), give_up)
+            time.sleep(0.01)
+
+    def stop_at_first_checkpoint(self, folder, with_signal, delay=0.0):
+        process = self.start(folder)
+        self.wait_for_checkpoint(folder, process)
+        time.sleep(delay)
+        process.send_signal(with_signal)
+        return process.wait()
+
+    def refusal(self, folder, *options):
+        done = subprocess.run([COMMAND, "simulate", SCENARIO, "-o", "run", *(options or OPTIONS), "--resume"],
+                              cwd=folder, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 3, done.stderr)
+        return done.stderr
+
+    def compare(self, folder):
+        run("simulate", SCENARIO, "-o", "run", *OPTIONS, "--resume", cwd=folder)
+        one, two = datasets(os.path.join(self.whole, "run")), datasets(os.path.join(folder, "run"))
+        self.assertEqual(set(one), set(two))
+        self.assertGreater(len(one), 70)
+        self.assertEqual([name for name in one if one[name] != two[name]], [])
+        self.assertEqual(summary(os.path.join(self.whole, "run")), summary(os.path.join(folder, "run")))
+
+    def test_a_run_killed_again_and_again_ends_as_one_that_was_not(self):
+        folder = self.folder("killed")
+        chance = random.Random(4)
+        self.assertEqual(self.stop_at_first_checkpoint(folder, signal.SIGKILL, 0.1), -signal.SIGKILL)
+        for _ in range(3):  # also while it is still taking up the run
+            process = self.start(folder, "--resume")
+            time.sleep(chance.uniform(0.0, 0.3))
+            process.kill()
+            process.wait()
+        self.compare(folder)
+
+    def test_an_interrupted_run_goes_on_where_it_stopped(self):
+        folder = self.folder("interrupted")
+        self.assertEqual(self.stop_at_first_checkpoint(folder, signal.SIGINT), 130)
+        done = summary(os.path.join(folder, "run"))
+        self.assertEqual(done["status"], "stopped")
+        self.assertGreater(done["steps"]["accepted"], 0)
+        self.compare(folder)
+
+    def test_what_cannot_be_resumed_is_refused_with_the_reason(self):
+        folder = self.folder("refused")
+        self.assertIn("expected a checkpoint to go on from, found no such file", self.refusal(folder))
+        self.stop_at_first_checkpoint(folder, signal.SIGKILL)
+        changed = self.refusal(folder, *OPTIONS, "--set", "vehicle.left.track.pre_tension_kN=20")
+        self.assertIn("checkpoint: vehicle: expected the input that the run was started with, SHA-256 ", changed)
+        file = os.path.join(folder, "run", "checkpoint")
+        with open(file, "rb") as stream:
+            whole = stream.read()
+        flipped = bytearray(whole)
+        flipped[len(whole) // 2] ^= 1
+        for damaged in (whole[: len(whole) // 2], bytes(flipped), whole[:40]):
+            with open(file, "wb") as stream:
+                stream.write(damaged)
+            self.assertIn("cut short or damaged", self.refusal(folder))
+
+    def test_a_completed_run_is_not_resumed(self):
+        self.assertIn("expected a run that was stopped or killed, found completed", self.refusal(self.whole))
+
+
+if __name__ == "__main__":
+    unittest.main()
