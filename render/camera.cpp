@@ -28,7 +28,7 @@ struct Follower {
   Eigen::AngleAxisf turn;
   Follower(const Subject& subject, double heading)
       : origin(static_cast<float>(subject.pose.chassis.position.x()),
-               static_cast<float>(subject.pose.chassis.position.y()), 0.0f),
+               static_cast<float>(subject.pose.chassis.position.y()), subject.ground),
         turn(static_cast<float>(heading), Vector3f::UnitZ()) {}
   [[nodiscard]] Vector3f at(float x, float y, float z) const { return origin + turn * Vector3f(x, y, z); }
 };

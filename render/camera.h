@@ -32,6 +32,7 @@ struct Subject {
   Vector3f sprocket = Vector3f::Zero();  ///< centre of the right sprocket in V
   float front = 3.5f, rear = -3.5f;      ///< m, ends of the running gear in V
   float half_width = 1.7f;               ///< m, outside of the tracks
+  float ground = 0.0f;                   ///< m, height of the plane under the vehicle
 };
 
 /// `chase` keeps the heading of the start, so that a turn is seen as a turn; `orbit` goes round once in 20 s; `side`,

@@ -4,6 +4,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "render/terrain_mesh.h"
+
 namespace grouser {
 namespace {
 
@@ -27,6 +29,7 @@ float aspect_of(const RenderOptions& options) {
 
 FrameMaker::FrameMaker(const RunFolder& run, const RenderOptions& options, int supersampling)
     : options_(options),
+      ground_(run.scenario.terrain),
       supersampling_(supersampling),
       name_(run.summary.name),
       note_(run.summary.provenance.synthetic.empty() ? "" : "synthetic rig data"),
@@ -34,6 +37,10 @@ FrameMaker::FrameMaker(const RunFolder& run, const RenderOptions& options, int s
       model_(run.vehicle, run.scenario.output.probes),
       renderer_(context_, supersampling * options.width, supersampling * options.height),
       caption_(context_, renderer_.width(), renderer_.height(), renderer_.picture()) {
+  if (!ground_.level()) {
+    const auto& [left, right] = run.vehicle.sides;
+    terrain_ = std::make_shared<const Mesh>(terrain_mesh(ground_, left.track_center_y - right.track_center_y));
+  }
   start_heading_ = heading_of(poses_.at(first_time()).chassis.orientation);
 }
 
@@ -60,7 +67,11 @@ void FrameMaker::write_caption(const VehiclePose& pose) {
 Image FrameMaker::at(double time) {
   const VehiclePose pose = poses_.at(time);
   Scene scene = model_.place(pose);
-  scene.camera = make_camera(options_.camera, model_.subject(pose, start_heading_), aspect_of(options_));
+  scene.terrain = terrain_;
+  Subject subject = model_.subject(pose, start_heading_);
+  const Vector3d& chassis = pose.chassis.position;
+  subject.ground = static_cast<float>(ground_.slope * chassis.x() + ground_.cross_slope * chassis.y());
+  scene.camera = make_camera(options_.camera, subject, aspect_of(options_));
   renderer_.draw(scene);
   write_caption(pose);
   return reduced(caption_.read(), supersampling_);

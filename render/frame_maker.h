@@ -20,10 +20,12 @@ class FrameMaker {
   void write_caption(const VehiclePose& pose);
 
   RenderOptions options_;
+  Terrain ground_;
   int supersampling_;
   std::string name_, note_;
   PoseReader poses_;
   VehicleModel model_;
+  std::shared_ptr<const Mesh> terrain_;
   double start_heading_ = 0.0;
   GlContext context_;
   SceneRenderer renderer_;

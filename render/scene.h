@@ -35,6 +35,7 @@ struct Scene {
   float shadow_radius = 5.0f;                                  ///< m
   Footprint footprint;
   bool ground = true;
+  std::shared_ptr<const Mesh> terrain;  ///< in World, drawn as ground; without it the ground is the plane z = 0
 };
 
 /// Meshes of one vehicle, built once and placed by poses.

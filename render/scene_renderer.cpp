@@ -54,6 +54,8 @@ SceneRenderer::SceneRenderer(const GlContext& context, int width, int height)
       make_program(context, "body", {frame(), instance(), body_vertex()}, {frame(), light(), body_fragment()});
   programs_.shadow = make_program(context, "shadow", {frame(), instance(), shadow_vertex()}, {shadow_fragment()});
   programs_.ground = make_program(context, "ground", {frame(), ground_vertex()}, {frame(), light(), ground_fragment()});
+  programs_.terrain =
+      make_program(context, "terrain", {frame(), terrain_vertex()}, {frame(), light(), ground_fragment()});
   programs_.sky = make_program(context, "sky", {frame(), sky_vertex()}, {frame(), light(), sky_fragment()});
   frame_ = GlBuffer(context);
   instances_ = GlBuffer(context);
@@ -176,6 +178,19 @@ void SceneRenderer::draw_shadow_map(const Scene& scene) {
   gl.Disable(GL_POLYGON_OFFSET_FILL);
 }
 
+void SceneRenderer::draw_ground(const Scene& scene) {
+  const GlApi& gl = context_.gl();
+  if (scene.terrain) {
+    gl.UseProgram(programs_.terrain.id());
+    gl.BindVertexArray(terrain_shape_.layout.id());
+    gl.DrawElementsInstanced(GL_TRIANGLES, terrain_shape_.num_indices, GL_UNSIGNED_INT, nullptr, 1);
+    return;
+  }
+  gl.UseProgram(programs_.ground.id());
+  gl.BindVertexArray(no_vertices_.id());
+  gl.DrawArrays(GL_TRIANGLES, 0, 6);
+}
+
 void SceneRenderer::draw_colors(const Scene& scene) {
   const GlApi& gl = context_.gl();
   gl.BindFramebuffer(GL_FRAMEBUFFER, samples_.id());
@@ -185,11 +200,8 @@ void SceneRenderer::draw_colors(const Scene& scene) {
   gl.BindTextureUnit(0, shadow_map_.id());
   gl.UseProgram(programs_.body.id());
   draw_instances(scene, false);
+  if (scene.ground) draw_ground(scene);  // after the bodies, so that what they hide costs nothing
   gl.BindVertexArray(no_vertices_.id());
-  if (scene.ground) {  // after the bodies, so that what they hide costs nothing
-    gl.UseProgram(programs_.ground.id());
-    gl.DrawArrays(GL_TRIANGLES, 0, 6);
-  }
   gl.UseProgram(programs_.sky.id());
   gl.DrawArrays(GL_TRIANGLES, 0, 3);
   gl.Disable(GL_FRAMEBUFFER_SRGB);
@@ -200,6 +212,10 @@ void SceneRenderer::draw(const Scene& scene) {
   const GlApi& gl = context_.gl();
   num_triangles_ = 0;
   upload(scene.meshes);
+  if (scene.terrain != terrain_) {
+    terrain_ = scene.terrain;
+    terrain_shape_ = terrain_ ? upload(*terrain_) : GlMesh{};
+  }
   upload_frame(scene);
   upload_instances(scene);
   gl.Disable(GL_SCISSOR_TEST);

@@ -28,7 +28,7 @@ class SceneRenderer {
     GLsizei num_indices = 0;
   };
   struct Programs {
-    GlProgram body, shadow, ground, sky;
+    GlProgram body, shadow, ground, terrain, sky;
   };
   [[nodiscard]] GlMesh upload(const Mesh& mesh) const;
   void upload(const std::shared_ptr<const std::vector<SceneMesh>>& meshes);
@@ -36,6 +36,7 @@ class SceneRenderer {
   void upload_instances(const Scene& scene);
   void draw_instances(const Scene& scene, bool shadows);
   void draw_shadow_map(const Scene& scene);
+  void draw_ground(const Scene& scene);
   void draw_colors(const Scene& scene);
 
   const GlContext& context_;
@@ -48,6 +49,8 @@ class SceneRenderer {
   GlFramebuffer shadow_, samples_, picture_;
   std::shared_ptr<const std::vector<SceneMesh>> meshes_;
   std::vector<GlMesh> shapes_, shadows_;
+  std::shared_ptr<const Mesh> terrain_;
+  GlMesh terrain_shape_;
   std::size_t num_triangles_ = 0;
 };
 

@@ -1,4 +1,4 @@
-in vec3 world;
+in vec3 world, normal;
 out vec4 pixel;
 
 float hash(ivec2 i) {
@@ -35,6 +35,6 @@ void main() {
   albedo = mix(albedo, vec3(0.17, 0.155, 0.13), 0.55 * lines(p, 0.022));
   albedo = mix(albedo, vec3(0.72, 0.68, 0.60), 0.60 * lines(p * 0.1, 0.006));
   float sky_share = 1.0 - 0.70 * under_vehicle(p, 0.45);
-  vec3 color = shade(albedo, 0.02, world, vec3(0.0, 0.0, 1.0), sky_share);
+  vec3 color = shade(albedo, 0.02, world, normalize(normal), sky_share);
   pixel = vec4(developed(with_haze(color, world)), 1.0);
 }
