@@ -120,7 +120,8 @@ TEST(RoughGround, WithoutFrictionAndLossKeepsTheEnergyOfALinkThatBouncesOverIt) 
     return stepper.work().energy.stored() - start.stored();
   };
   const double scale = 0.5 * 28.0 * 4.0 + 28.0 * 9.81 * 0.2;  // J, of the link
-  EXPECT_LT(std::abs(gained(1e-5)), 1e-3 * scale);
+  // Measured 5e-6; taking depth at the point's own place, not at the foot of its normal, loses 5e-4 at any step.
+  EXPECT_LT(std::abs(gained(2e-5)), 2e-5 * scale);
 }
 
 TEST(FrictionZones, ChangeTheDecelerationWhereTheyBegin) {
