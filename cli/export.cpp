@@ -43,9 +43,17 @@ std::string unit_suffix(const std::string& unit) {
   return "_" + replaced(replaced(replaced(unit, "^", ""), "/", "_per_"), " ", "_");
 }
 
+/// "m, rad": the first half of the last dimension's entries in m, the second in rad.
+std::vector<std::string> units_of(const std::string& unit) {
+  const std::size_t comma = unit.find(", ");
+  if (comma == std::string::npos) return {unit};
+  return {unit.substr(0, comma), unit.substr(comma + 2)};
+}
+
 /// Names of the entries along one dimension: those that the file gives, components of vectors, else the index.
 std::vector<std::string> entry_names(std::size_t count, bool last, const std::vector<std::string>& given) {
   if (count == given.size()) return given;
+  if (last && count == 2) return {"left", "right"};
   if (last && count == 3) return {"x", "y", "z"};
   if (last && count == 4) return {"w", "x", "y", "z"};
   if (last && count == 6) return {"x", "y", "z", "rx", "ry", "rz"};
@@ -67,7 +75,9 @@ std::vector<std::string> column_names(const Array& array, const std::string& pat
     }
     columns = std::move(longer);
   }
-  for (std::string& column : columns) column += unit_suffix(array.unit);
+  const std::vector<std::string> units = units_of(array.unit);
+  const std::size_t entries = array.shape.size() > 1 ? array.shape.back() : 1, share = entries / units.size();
+  for (std::size_t i = 0; i < columns.size(); ++i) columns[i] += unit_suffix(units[i % entries / share]);
   return columns;
 }
 

@@ -215,6 +215,13 @@ class Pipeline(unittest.TestCase):
         self.assertEqual(rows[0][-1], "link_velocity_75_z_m_per_s")
         self.assertEqual(float(rows[-1][0]), last_time)
         self.assertEqual(velocity.dtype.type(rows[-1][-1]), velocity[-1, -1, -1])
+        for name in os.listdir(self.path("csv")):
+            with open(self.path("csv", name), encoding="utf-8") as file:
+                head, first = next(reader := csv.reader(file)), next(reader)
+            self.assertEqual((len(head), len(set(head))), (len(first), len(first)), name)
+        with open(self.path("csv", "tracks_left_bushing_deflection.csv"), encoding="utf-8") as file:
+            head = next(csv.reader(file))
+        self.assertEqual([head[1], head[6]], ["bushing_deflection_0_x_m", "bushing_deflection_0_rz_rad"])
 
 
 class Runs(unittest.TestCase):
