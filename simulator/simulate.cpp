@@ -13,6 +13,7 @@
 #include "simulator/channels.h"
 #include "simulator/checkpoint.h"
 #include "simulator/drive.h"
+#include "simulator/folder_lock.h"
 #include "simulator/results.h"
 #include "simulator/track_watch.h"
 
@@ -434,6 +435,7 @@ RunSummary simulate(const Scenario& scenario, const std::filesystem::path& folde
   start.assembly_wall_time = watch.seconds();
 
   std::filesystem::create_directories(folder);
+  const FolderLock lock(folder);
   std::filesystem::remove(folder / "checkpoint");
   mark_as_running(summary, folder);
   write_inputs(scenario, folder);
@@ -445,6 +447,7 @@ RunSummary simulate(const Scenario& scenario, const std::filesystem::path& folde
 }
 
 RunSummary resume(const Scenario& scenario, const std::filesystem::path& folder, const Progress& progress) {
+  const FolderLock lock(folder);
   refuse_ended(folder);
   const System system = compile(scenario);
   RunSummary summary = start_summary(system);

@@ -123,6 +123,18 @@ class Resume(unittest.TestCase):
                 stream.write(damaged)
             self.assertIn("cut short or damaged", self.refusal(folder))
 
+    def test_a_run_that_still_goes_on_is_left_alone(self):
+        folder = self.folder("running")
+        process = self.start(folder)
+        self.wait_for_checkpoint(folder, process)
+        process.send_signal(signal.SIGSTOP)  # it stays where it is, and alive
+        done = subprocess.run([COMMAND, "simulate", SCENARIO, "-o", "run", *OPTIONS, "--resume"], cwd=folder,
+                              capture_output=True, text=True)
+        process.kill()
+        process.wait()
+        self.assertEqual(done.returncode, 5, done.stderr)
+        self.assertIn("another process is still writing this run", done.stderr)
+
     def test_a_completed_run_is_not_resumed(self):
         self.assertIn("expected a run that was stopped or killed, found completed", self.refusal(self.whole))
 
