@@ -62,6 +62,22 @@ const std::vector<Mutation>& mutations() {
       {"scenario", "beta_too_large", [](Json& j) { j["integrator"]["beta"] = 1.1; }},
       {"scenario", "probe_of_the_middle", [](Json& j) { j["output"]["probes"][0]["side"] = "middle"; }},
       {"scenario", "one_sided_drive", [](Json& j) { j["drive"].erase("left"); }},
+      {"scenario", "slope_in_percent", [](Json& j) { j["terrain"]["slope_percent"] = 30; }},
+      {"scenario", "zone_without_an_end",
+       [](Json& j) {
+         j["terrain"]["friction_zones"] = {{{"from_m", 1}, {"friction", 0.2}}};
+       }},
+      {"scenario", "road_of_class_z",
+       [](Json& j) {
+         j["terrain"]["iso_8608"] = {{"class", "Z"}, {"seed", 1}, {"length_m", 100}};
+       }},
+      {"scenario", "half_round_without_radius",
+       [](Json& j) {
+         j["terrain"]["obstacles"] = {{{"kind", "half_round"}, {"position_m", 5}, {"height_mm", 200}}};
+       }},
+      {"scenario", "torque_in_newtons", [](Json& j) { rename(j["drive"]["left"], "speed_rad_per_s", "torque_N"); }},
+      {"scenario", "driver_without_an_engine",
+       [](Json& j) { rename(j["drive"]["left"], "speed_rad_per_s", "target_speed_m_per_s"); }},
       {"rig", "no_tests", [](Json& j) { j["tests"] = Json::array(); }},
       {"rig", "unknown_axis", [](Json& j) { j["tests"][0]["axis"] = "w"; }},
       {"rig", "rate_is_a_length", [](Json& j) { j["tests"][0]["rate_mm"] = 2; }},
