@@ -1,0 +1,58 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "simulator/assembly.h"
+
+/// Vehicles of other makers' models as data: nothing in the simulator knows the reference vehicle.
+namespace grouser::test {
+namespace {
+
+Scenario peer(const std::string& name) {
+  return read_scenario(GROUSER_SOURCE_DIR "/test_data/scenarios/" + name + ".json");
+}
+
+/// Vertical ground force on one track at rest [N].
+double ground_force(const System& system, const Workspace& work, Side side) {
+  const CompiledTrack& track = system.tracks[static_cast<std::size_t>(index_of(side))];
+  const double* vertical = work.contact_force_W[static_cast<std::size_t>(Partner::ground)][2] + track.offset;
+  double sum = 0.0;
+  for (int i = 0; i < track.num_links; ++i) sum += vertical[i];
+  return sum;
+}
+
+void expect_at_rest(const System& system) {
+  const Assembled rest = assemble(system);
+  for (const Side side : {Side::left, Side::right}) {
+    const auto s = static_cast<std::size_t>(index_of(side));
+    // What the settling leaves: measured 7e-5 of the tension, 1e-6 of the weight.
+    EXPECT_NEAR(rest.sides[s].tension / system.tracks[s].pre_tension, 1.0, 1e-3);
+  }
+  const Stepper stepper(system, rest.state, rest.knobs);
+  const double left = ground_force(system, stepper.work(), Side::left),
+               right = ground_force(system, stepper.work(), Side::right);
+  EXPECT_NEAR((left + right) / system.weight, 1.0, 1e-4);
+  // The hull stands in the middle; the longer track is one link (0.16 % of the weight at most) heavier.
+  EXPECT_NEAR(left / right, 1.0, 0.02);
+}
+
+TEST(PeerVehicle, M113HasTheMassAndTheBodiesOfItsSourceAndStands) {
+  const System system = compile(peer("m113"));
+  EXPECT_EQ(system.num_bodies(), 154);
+  EXPECT_NEAR(system.weight / 9.81, 11342.86, 0.01);  // kg, as the source adds up
+  EXPECT_EQ(system.tracks[0].num_links, 63);
+  EXPECT_EQ(system.tracks[1].num_links, 64);
+  expect_at_rest(system);
+}
+
+TEST(PeerVehicle, MarderHasTheMassAndTheBodiesOfItsSourceAndStands) {
+  const System system = compile(peer("marder"));
+  EXPECT_EQ(system.num_bodies(), 192);
+  EXPECT_NEAR(system.weight / 9.81, 29313.18, 0.01);
+  EXPECT_EQ(system.tracks[0].num_links, 77);
+  EXPECT_EQ(system.tracks[1].num_links, 78);
+  expect_at_rest(system);
+}
+
+}  // namespace
+}  // namespace grouser::test
