@@ -52,7 +52,7 @@ class GroundSurface {
   /// No ground within k_reach of (x, y), in x and y each, is higher than this.
   static constexpr double k_reach = 0.5;  ///< m
   [[nodiscard]] double highest_near(double x, double y) const;
-  /// Places along x where something begins or ends and between which the ground may be drawn in equal pieces.
+  /// Begin and end along x [m] of all that stands on the plane; equal where nothing does.
   [[nodiscard]] std::array<double, 2> extent() const { return {begin_, end_}; }
 
  private:
