@@ -133,13 +133,16 @@ AxisResults identify_axes(const std::vector<PreparedTest>& tests, int threads, c
 
 void require_usable_data(const RigRecord& rig, const std::vector<PreparedTest>& tests) {
   std::vector<InputFinding> findings;
-  for (std::size_t i = 0; i < tests.size(); ++i) {
-    if (tests[i].unusable.empty()) return;
-    findings.push_back({rig.path.string(), fmt::format("/tests/{}", i),
-                        "a test that closes cycles of force over displacement", tests[i].unusable,
-                        "test " + tests[i].source->name});
+  for (const PreparedTest& test : tests) {
+    if (test.unusable.empty()) return;
+    findings.push_back({rig.path.string(), fmt::format("/tests/{}", test.source - rig.tests.data()),
+                        "a test that closes cycles of force over displacement", test.unusable,
+                        "test " + test.source->name});
   }
-  if (findings.empty()) findings.push_back({rig.path.string(), "/tests", "at least one test", "none", ""});
+  if (findings.empty()) {
+    findings.push_back({rig.path.string(), "/tests", "at least one test with a measurement", "none",
+                        rig.tests.empty() ? "" : "a protocol is for grouser rig to drive"});
+  }
   throw InputError(findings);
 }
 
@@ -189,6 +192,11 @@ IdentifyResult identify(const RigRecord& rig, const IdentifyOptions& options, co
   report_progress(progress, 0.0, "cutting cycles");
   std::vector<PreparedTest> tests;
   for (const RigTest& test : rig.tests) {
+    if (test.protocol) {
+      result.fit.warnings.push_back(
+          {"no_measurement", test.name, "the test states a protocol to be driven and holds no measurement: left out"});
+      continue;
+    }
     tests.push_back(prepare_test(test, rig, result.fit.warnings, result.fit.corrections));
   }
   gather_common_findings(result.fit.warnings);

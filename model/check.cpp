@@ -15,9 +15,13 @@ std::string count(std::size_t number, const std::string& noun) {
 
 std::string check_rig(const std::filesystem::path& file) {
   const RigRecord rig = read_rig(file);
-  std::size_t samples = 0;
-  for (const RigTest& test : rig.tests) samples += test.force.size();
-  return "rig data of " + rig.specimen + ", " + count(rig.tests.size(), "test") + ", " + count(samples, "sample");
+  std::size_t samples = 0, protocols = 0;
+  for (const RigTest& test : rig.tests) {
+    samples += test.force.size();
+    protocols += test.protocol ? 1 : 0;
+  }
+  return "rig data of " + rig.specimen + ", " + count(rig.tests.size(), "test") + ", " + count(samples, "sample") +
+         (protocols > 0 ? ", " + count(protocols, "protocol") + " without a measurement" : "");
 }
 
 std::string check_bushing(const std::filesystem::path& file) {

@@ -134,11 +134,11 @@ struct AxisFit {
 };
 
 struct FitWarning {
-  std::string
-      code;  ///< "drift", "clipped_sensor", "swapped_columns", "reversed_polarity", "wrong_frequency",
-             ///< "wrong_amplitude", "time_gap", "offset", "backlash", "preload", "conditioning_cycles",
-             ///< "trailing_cycles", "phase_break", "thermal_softening", "unsettled_cycles", "transition_cycles",
-             ///< "few_samples", "tilted_specimen", "rate_unknown", "open_ramp", "unusable_test", "axis_without_test"
+  std::string code;  ///< "drift", "clipped_sensor", "swapped_columns", "reversed_polarity", "wrong_frequency",
+                     ///< "wrong_amplitude", "time_gap", "offset", "backlash", "preload", "conditioning_cycles",
+                     ///< "trailing_cycles", "phase_break", "thermal_softening", "unsettled_cycles",
+                     ///< "transition_cycles", "few_samples", "tilted_specimen", "rate_unknown", "open_ramp",
+                     ///< "unusable_test", "axis_without_test", "no_measurement"
   std::string test;  ///< empty: whole campaign
   std::string text;  ///< a sentence with the evidence
 };

@@ -91,6 +91,69 @@ ThermalCorrection read_thermal(ObjectReader& r) {
   return thermal;
 }
 
+/// `samples`: number a ramp, if the file says none.
+constexpr int k_ramp_samples = 400;
+
+TestProtocol read_static_protocol(ObjectReader& r, Axis axis) {
+  TestProtocol protocol;
+  const std::string name = is_rotation(axis) ? "to_torque" : "to_force";
+  protocol.to_force = r.quantity(name, force_of(axis));
+  if (r.has_quantity(name) && protocol.to_force == 0.0) r.report(r.key_of(name), "a load other than 0", "0");
+  protocol.turns = static_cast<int>(r.integer_or("ramps", 5, 1));
+  protocol.sample_rate = r.optional_quantity("sample_rate", d::frequency, Range::positive);
+  if (protocol.sample_rate && r.has("samples")) {
+    r.report("", "samples or sample_rate_Hz", "both");
+  }
+  const int samples = static_cast<int>(r.integer_or("samples", k_ramp_samples, 2));
+  protocol.samples_per_turn = protocol.sample_rate ? 0 : samples;
+  return protocol;
+}
+
+TestProtocol read_cyclic_protocol(ObjectReader& r) {
+  TestProtocol protocol;
+  protocol.turns = static_cast<int>(r.integer_or("cycles", 10, 1));
+  protocol.samples_per_turn = static_cast<int>(r.integer_or("samples_per_cycle", 200, 2));
+  return protocol;
+}
+
+/// What a protocol is driven at stands in the test itself, where it is optional for one that was measured.
+void require_drive(ObjectReader& r, const RigTest& test) {
+  const Dimension displacement = displacement_of(test.axis);
+  const auto require = [&](const std::string& name, const Dimension& dimension) {
+    if (!r.has_quantity(name)) {
+      r.report("", "the key " + name + "_" + usual_unit(dimension) + ", which the protocol is driven at",
+               "no such key");
+    }
+  };
+  if (test.kind == TestKind::static_ramp) {
+    require("rate", displacement / d::time);
+  } else {
+    require("amplitude", displacement);
+    require("frequency", d::frequency);
+  }
+}
+
+/// What was measured, or how it is to be driven: exactly one of `file` and `protocol`.
+void read_source(ObjectReader& r, RigTest& test) {
+  const bool driven = r.optional_object("protocol", [&](ObjectReader& p) {
+    test.protocol = test.kind == TestKind::cyclic ? read_cyclic_protocol(p) : read_static_protocol(p, test.axis);
+  });
+  test.file = r.text_or("file", "");
+  if (driven) require_drive(r, test);
+  if (driven == r.has("file")) r.report("", "file or protocol", driven ? "both" : "neither");
+}
+
+void read_columns(ObjectReader& r, RigTestEntry& entry) {
+  entry.sample_rate = r.optional_quantity("sample_rate", d::frequency, Range::positive);
+  r.optional_object("columns", [&](ObjectReader& c) {
+    entry.named.time = c.text_or("time", "");
+    entry.named.displacement = c.text_or("displacement", c.text_or("angle", ""));
+    entry.named.force = c.text_or("force", c.text_or("torque", ""));
+    entry.named.temperature = c.text_or("temperature", "");
+  });
+  entry.test.corrections = read_corrections(r);
+}
+
 RigTestEntry read_test(ObjectReader& r) {
   RigTestEntry entry;
   RigTest& test = entry.test;
@@ -99,21 +162,14 @@ RigTestEntry read_test(ObjectReader& r) {
   test.axis = r.choice<Axis>(
       "axis", {{"x", Axis::x}, {"y", Axis::y}, {"z", Axis::z}, {"rx", Axis::rx}, {"ry", Axis::ry}, {"rz", Axis::rz}});
   test.kind = r.choice<TestKind>("kind", {{"static", TestKind::static_ramp}, {"cyclic", TestKind::cyclic}});
-  test.file = r.text("file");
   const Dimension displacement = displacement_of(test.axis);
   test.rate = r.optional_quantity("rate", displacement / d::time, Range::positive);
   test.frequency = r.optional_quantity("frequency", d::frequency, Range::positive);
   test.amplitude = r.optional_quantity("amplitude", displacement, Range::positive);
   test.preset = r.optional_quantity("preset", displacement);
-  entry.sample_rate = r.optional_quantity("sample_rate", d::frequency, Range::positive);
   if (r.has("discard_cycles")) test.discard_cycles = static_cast<int>(r.integer("discard_cycles", 0));
-  r.optional_object("columns", [&](ObjectReader& c) {
-    entry.named.time = c.text_or("time", "");
-    entry.named.displacement = c.text_or("displacement", c.text_or("angle", ""));
-    entry.named.force = c.text_or("force", c.text_or("torque", ""));
-    entry.named.temperature = c.text_or("temperature", "");
-  });
-  test.corrections = read_corrections(r);
+  read_source(r, test);
+  if (!test.protocol) read_columns(r, entry);
   return entry;
 }
 

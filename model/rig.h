@@ -47,18 +47,30 @@ struct ThermalCorrection {
   double reference_temperature = 0.0;  ///< K
 };
 
+/// What the virtual rig is to drive in a test that nobody measured (`protocol`). Displacement and force are those of
+/// one bushing, without a frame. Every test starts at rest at its preset, 0 if it states none.
+///   static: ramps at RigTest::rate until the force is `to_force`, and back to the start at the same rate.
+///   cyclic: preset + amplitude sin(2 pi frequency t).
+struct TestProtocol {
+  double to_force = 0.0;              ///< N or N m, not 0; static only
+  int turns = 0;                      ///< ramps, out and back, or cycles; >= 1
+  int samples_per_turn = 0;           ///< >= 2, half of a ramp's on its way out; 0 where sample_rate is given
+  std::optional<double> sample_rate;  ///< Hz, of ramps: every way out and back has equal steps, no longer than 1 / this
+};
+
 /// One test of a campaign as read: SI units, calibrated, in file order, nothing corrected yet.
 struct RigTest {
   std::string name;
   Axis axis = Axis::x;
   TestKind kind = TestKind::cyclic;
-  std::string file;                   ///< relative to rig.json
-  std::optional<double> rate;         ///< m/s or rad/s (static)
-  std::optional<double> frequency;    ///< Hz (cyclic, as stated)
-  std::optional<double> amplitude;    ///< m or rad (cyclic, as stated)
-  std::optional<double> preset;       ///< m or rad: mean the loop runs about (14 degree preset of the torsion loops)
-  std::optional<int> discard_cycles;  ///< asked for by the file; absent = decided from the data
-  std::vector<double> time;           ///< s; built from rate or frequency when the file has none (see time_measured)
+  std::string file;                      ///< relative to rig.json; empty with a protocol
+  std::optional<TestProtocol> protocol;  ///< in place of a file: the test holds no measurement and no samples
+  std::optional<double> rate;            ///< m/s or rad/s (static)
+  std::optional<double> frequency;       ///< Hz (cyclic, as stated)
+  std::optional<double> amplitude;       ///< m or rad (cyclic, as stated)
+  std::optional<double> preset;          ///< m or rad: mean the loop runs about (14 degree preset of the torsion loops)
+  std::optional<int> discard_cycles;     ///< asked for by the file; absent = decided from the data
+  std::vector<double> time;              ///< s; built from rate or frequency when the file has none (see time_measured)
   bool time_measured = false;
   std::vector<double> displacement;         ///< m or rad; mean of the LVDTs when there are two
   std::vector<double> force;                ///< N or N m

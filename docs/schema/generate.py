@@ -116,11 +116,32 @@ def sensor(displacements):
 COLUMNS = record(time_=TEXT, displacement_=TEXT, angle_=TEXT, force_=TEXT, torque_=TEXT, temperature_=TEXT)
 CORRECTIONS = list_of(one_of("swap_columns", "reverse_force", "remove_backlash", "remove_creep", "remove_conditioning",
                              "segment_at_jumps"))
-RIG_TEST = record(name=TEXT, axis=one_of(*AXES), kind=one_of("static", "cyclic"), file=TEXT, columns_=COLUMNS,
-                  rate_=("speed|angular speed", POSITIVE), frequency_=("frequency", POSITIVE),
-                  amplitude_=("length|angle", POSITIVE), preset_=("length|angle", NUMBER),
-                  sample_rate_=("frequency", POSITIVE), discard_cycles_=whole(0),
-                  corrections_=CORRECTIONS)
+MEASURED_TEST = record(name=TEXT, axis=one_of(*AXES), kind=one_of("static", "cyclic"), file=TEXT, columns_=COLUMNS,
+                       rate_=("speed|angular speed", POSITIVE), frequency_=("frequency", POSITIVE),
+                       amplitude_=("length|angle", POSITIVE), preset_=("length|angle", NUMBER),
+                       sample_rate_=("frequency", POSITIVE), discard_cycles_=whole(0),
+                       corrections_=CORRECTIONS)
+
+
+def ramps_to_drive(axes, load, dimension, length, speed):
+    protocol = record(ramps_=whole(1), samples_=whole(2), sample_rate_=("frequency", POSITIVE),
+                      **{load: (dimension, {"type": "number", "not": {"const": 0}})})
+    protocol["not"] = {"allOf": [{"required": ["samples"]}, exists(f"^sample_rate_({UNITS['frequency']})$")]}
+    return record(name=TEXT, axis=one_of(*axes), kind={"const": "static"}, protocol=protocol, rate=(speed, POSITIVE),
+                  frequency_=("frequency", POSITIVE), amplitude_=(length, POSITIVE), preset_=(length, NUMBER),
+                  discard_cycles_=whole(0))
+
+
+def loops_to_drive(axes, length, speed):
+    return record(name=TEXT, axis=one_of(*axes), kind={"const": "cyclic"},
+                  protocol=record(cycles_=whole(1), samples_per_cycle_=whole(2)), rate_=(speed, POSITIVE),
+                  frequency=("frequency", POSITIVE), amplitude=(length, POSITIVE), preset_=(length, NUMBER),
+                  discard_cycles_=whole(0))
+
+
+RIG_TEST = {"oneOf": [MEASURED_TEST, ramps_to_drive(AXES[:3], "to_force", "force", "length", "speed"),
+                      ramps_to_drive(AXES[3:], "to_torque", "torque", "angle", "angular speed"),
+                      loops_to_drive(AXES[:3], "length", "speed"), loops_to_drive(AXES[3:], "angle", "angular speed")]}
 RIG = document(
     "rig", "Measurement campaign on one specimen",
     specimen=record(name=TEXT, bushings_in_series_=whole(1), geometry_={"type": "object"}),

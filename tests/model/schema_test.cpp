@@ -94,6 +94,14 @@ const std::vector<Mutation>& mutations() {
       {"rig", "softening_of_nothing", [](Json& j) { j["thermal"].erase("reference_temperature_degC"); }},
       {"rig", "softening_per_second",
        [](Json& j) { rename(j["thermal"], "stiffness_change_per_K", "stiffness_change_per_s"); }},
+      {"rig", "file_and_protocol", [](Json& j) { j["tests"][1]["file"] = "loop.csv"; }},
+      {"rig", "neither_file_nor_protocol", [](Json& j) { j["tests"][1].erase("protocol"); }},
+      {"rig", "ramp_without_rate", [](Json& j) { j["tests"][1].erase("rate_mm_per_min"); }},
+      {"rig", "ramp_to_nothing", [](Json& j) { j["tests"][1]["protocol"]["to_force_kN"] = 0; }},
+      {"rig", "ramp_to_a_torque", [](Json& j) { rename(j["tests"][1]["protocol"], "to_force_kN", "to_torque_kN_m"); }},
+      {"rig", "two_sample_rates", [](Json& j) { j["tests"][1]["protocol"]["sample_rate_Hz"] = 10; }},
+      {"rig", "loop_without_amplitude", [](Json& j) { j["tests"][2].erase("amplitude_deg"); }},
+      {"rig", "loop_to_a_force", [](Json& j) { j["tests"][2]["protocol"]["to_force_kN"] = 98; }},
       {"fit", "negative_count", [](Json& j) { j["tests"][0]["cycles"] = -1; }},
       {"fit", "measure_of_another_axis",
        [](Json& j) { rename(j["tests"][0], "effective_stiffness_N_per_m", "effective_stiffness_N_m_per_rad"); }},
@@ -152,7 +160,9 @@ std::map<std::string, Json> valid_documents(const TemporaryFolder& folder) {
       "thermal": {"stiffness_change_per_K": -0.003, "reference_temperature_degC": 23},
       "sensors": {"displacement": [{"column": "lvdt_a_mV_per_V", "sensitivity_mm_V_per_mV": 0.02}],
                   "torque": {"column": "cell_V", "sensitivity_N_m_per_V": 50, "offset_mV": 3}}, "synthetic": {"note": "n", "seed": 1, "truth": {}},
-      "tests": [{"name": "t", "axis": "x", "kind": "cyclic", "file": "loop.csv", "frequency_Hz": 1, "amplitude_mm": 1, "corrections": ["segment_at_jumps", "remove_creep"]}]})");
+      "tests": [{"name": "t", "axis": "x", "kind": "cyclic", "file": "loop.csv", "frequency_Hz": 1, "amplitude_mm": 1, "corrections": ["segment_at_jumps", "remove_creep"]},
+        {"name": "ramp", "axis": "x", "kind": "static", "rate_mm_per_min": 2, "protocol": {"to_force_kN": 98, "ramps": 2, "samples": 40}},
+        {"name": "loop", "axis": "ry", "kind": "cyclic", "amplitude_deg": 10, "frequency_Hz": 1, "protocol": {"cycles": 4}}]})");
   write_fit(small_fit(), folder.path() / "written");
   documents["fit"] = parsed(folder.path() / "written");
   write_replay({"s", "b", small_fit().tests, {{"rate_unknown", "t", "x"}}, {}, {}}, folder.path() / "written");
