@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "model/bushing.h"
+#include "model/rig.h"
 
 namespace grouser {
 
@@ -24,5 +25,15 @@ using RigWrench = std::array<std::vector<double>, k_num_axes>;
 /// Axes other than `axis` may have no law; they are free. `axis` must have one.
 [[nodiscard]] RigWrench run_virtual_rig(const Bushing& bushing, Axis axis, const std::vector<double>& time,
                                         const std::vector<double>& displacement);
+
+/// Drives a test by its protocol (see TestProtocol) and returns it with the samples recorded: time, displacement and
+/// the load on the tested axis. Displacement goes through equal steps on every way out and back, at a constant rate.
+///
+/// A ramp turns where the load meets `to_force` within k_turn_tolerance of its change since the first sample; the turn
+/// is searched from the state in which the ramp sets out, which only the accepted steps change. Its load grows
+/// monotonically, for spring, stops and branches only ever add to it at a constant rate. Throws NumericalError where no
+/// displacement up to 1000 times the reach of the law's points has that load.
+[[nodiscard]] RigTest run_protocol(const Bushing& bushing, const RigTest& test);
+inline constexpr double k_turn_tolerance = 1e-6;
 
 }  // namespace grouser
