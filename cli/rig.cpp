@@ -83,22 +83,43 @@ RigTest virtual_test(const PreparedTest& prepared, std::vector<double> force, st
   return test;
 }
 
+void warn_of_rate(const PreparedTest& test, std::vector<FitWarning>& warnings) {
+  if (test.rate_known) return;
+  warnings.push_back({"rate_unknown", test.source->name,
+                      "the record tells no rate: its samples are driven one second apart, so that the Maxwell "
+                      "branches answer to a rate that nobody measured"});
+}
+
 /// Where the law is driven beyond what it was identified for.
-void warn_of_range(const PreparedTest& test, const AxisLaw& law, std::vector<FitWarning>& warnings) {
-  if (!test.rate_known) {
-    warnings.push_back({"rate_unknown", test.source->name,
-                        "the record tells no rate: its samples are driven one second apart, so that the Maxwell "
-                        "branches answer to a rate that nobody measured"});
-  }
-  if (!law.valid || test.displacement.empty()) return;
-  const auto [low, high] = std::ranges::minmax(test.displacement);
+void warn_of_reach(const RigTest& test, const std::vector<double>& displacement, const AxisLaw& law,
+                   std::vector<FitWarning>& warnings) {
+  if (!law.valid || displacement.empty()) return;
+  const auto [low, high] = std::ranges::minmax(displacement);
   const double reach = std::max(std::abs(low), std::abs(high));
   constexpr double k_rounding = 1e-3;  // a limit that was rounded by its file
   if (reach > law.valid->amplitude * (1.0 + k_rounding)) {
-    warnings.push_back({"outside_valid_range", test.source->name,
+    warnings.push_back({"outside_valid_range", test.name,
                         fmt::format("driven to {:.4g} {}, but the law was identified to {:.4g} only", reach,
-                                    is_rotation(test.source->axis) ? "rad" : "m", law.valid->amplitude)});
+                                    is_rotation(test.axis) ? "rad" : "m", law.valid->amplitude)});
   }
+}
+
+/// What the virtual rig alone says of a test that nobody measured: its cycles are found as in any record.
+TestFit prediction_of(const RigTest& driven) {
+  const RigRecord bare;
+  std::vector<FitWarning> about_data;
+  std::vector<AppliedCorrection> corrections;
+  const PreparedTest prepared = prepare_test(driven, bare, about_data, corrections);
+  TestFit test = evaluate_fit(prepared, prepared.force);
+  test.prediction = true;
+  test.measured = {};
+  test.nrmse = test.r_squared = test.force_zero = test.force_drift = test.gain = 0.0;
+  test.curve.force.clear();
+  for (CycleFit& cycle : test.per_cycle) {
+    cycle.measured = {};
+    cycle.nrmse = 0.0;
+  }
+  return test;
 }
 
 struct VirtualCampaign {
@@ -113,6 +134,13 @@ VirtualCampaign drive_campaign(const RigRecord& rig, const Bushing& bushing, con
   for (const RigTest& test : rig.tests) {
     const double fraction = static_cast<double>(made.rig.tests.size()) / static_cast<double>(rig.tests.size());
     if (progress && !progress({fraction, test.name})) throw NumericalError("interrupted before: " + test.name);
+    if (test.protocol) {
+      RigTest& driven = made.rig.tests.emplace_back(run_protocol(bushing, test));
+      driven.file = file_of(test.name, taken);
+      made.replay.tests.push_back(prediction_of(driven));
+      warn_of_reach(test, driven.displacement, bushing.axis(test.axis), made.replay.warnings);
+      continue;
+    }
     std::vector<FitWarning> about_data;
     const PreparedTest& prepared = tests.emplace_back(prepare_test(test, rig, about_data, made.replay.corrections));
     RigWrench wrench = run_virtual_rig(bushing, test.axis, prepared.time, prepared.displacement);
@@ -120,10 +148,11 @@ VirtualCampaign drive_campaign(const RigRecord& rig, const Bushing& bushing, con
     made.replay.tests.push_back(evaluate_fit(prepared, force));
     // What the data show is identify's to tell, unless it leaves nothing to compare.
     if (prepared.cycles_used() == 0) std::ranges::copy(about_data, std::back_inserter(made.replay.warnings));
-    warn_of_range(prepared, bushing.axis(test.axis), made.replay.warnings);
+    warn_of_rate(prepared, made.replay.warnings);
+    warn_of_reach(test, prepared.displacement, bushing.axis(test.axis), made.replay.warnings);
     made.rig.tests.push_back(virtual_test(prepared, std::move(force), taken));
   }
-  std::ranges::copy(campaign_corrections(tests, rig), std::back_inserter(made.replay.corrections));
+  if (!tests.empty()) std::ranges::copy(campaign_corrections(tests, rig), std::back_inserter(made.replay.corrections));
   made.rig.specimen = made.replay.bushing = bushing.name;
   made.replay.specimen = rig.specimen;
   made.rig.synthetic = true;
@@ -147,11 +176,27 @@ Provenance provenance_of(const RigRecord& rig, const Bushing& bushing, const std
 }
 
 std::string test_line(const TestFit& test) {
+  if (test.prediction) {
+    return fmt::format("{:<3} {:<28} {:>2} of {:>2} cycles  prediction      energy {:.6g} J", name_of(test.axis),
+                       test.name, test.cycles_used, test.cycles, test.fitted.dissipated_energy);
+  }
   const double measured = test.measured.dissipated_energy;
   const std::string energy =
       measured > 0.0 ? fmt::format("{:+7.2f} %", 100.0 * (test.fitted.dissipated_energy / measured - 1.0)) : "      -";
   return fmt::format("{:<3} {:<28} {:>2} of {:>2} cycles  nrmse {:6.3f} %  energy {}", name_of(test.axis), test.name,
                      test.cycles_used, test.cycles, 100.0 * test.nrmse, energy);
+}
+
+nlohmann::ordered_json test_json(const TestFit& test) {
+  nlohmann::ordered_json json{{"name", test.name}, {"axis", name_of(test.axis)}, {"cycles_used", test.cycles_used}};
+  if (test.prediction) {
+    json["prediction"] = true;
+  } else {
+    json["nrmse"] = test.nrmse;
+    json["measured_energy_J"] = test.measured.dissipated_energy;
+  }
+  json["energy_J"] = test.fitted.dissipated_energy;
+  return json;
 }
 
 Result run(const Options& options, Console& console) {
@@ -160,12 +205,7 @@ Result run(const Options& options, Console& console) {
   Result result;
   for (const TestFit& test : replay.tests) {
     result.lines.push_back(test_line(test));
-    result.json["tests"].push_back({{"name", test.name},
-                                    {"axis", name_of(test.axis)},
-                                    {"cycles_used", test.cycles_used},
-                                    {"nrmse", test.nrmse},
-                                    {"measured_energy_J", test.measured.dissipated_energy},
-                                    {"energy_J", test.fitted.dissipated_energy}});
+    result.json["tests"].push_back(test_json(test));
   }
   result.json["warnings"] = nlohmann::ordered_json::array();
   for (const FitWarning& warning : replay.warnings) {

@@ -69,25 +69,52 @@ LoopMeasures read_measures(ObjectReader& r, const FitKeys& keys) {
           number_or_null(r, "loss_stiffness_" + keys.stiffness)};
 }
 
-Json cycle_json(const CycleFit& cycle, const FitKeys& keys) {
+Json cycle_json(const CycleFit& cycle, const FitKeys& keys, bool prediction) {
   Json json{{"index", cycle.index}, {"used", cycle.used}, {"note", cycle.note}};
   json["amplitude_" + keys.displacement] = cycle.amplitude;
-  put_measures(json, cycle.measured, keys);
-  json["nrmse"] = cycle.nrmse;
+  if (!prediction) {
+    put_measures(json, cycle.measured, keys);
+    json["nrmse"] = cycle.nrmse;
+  }
   json["fitted"] = measures_json(cycle.fitted, keys);
   return json;
 }
 
-CycleFit read_cycle(ObjectReader& r, const FitKeys& keys) {
+CycleFit read_cycle(ObjectReader& r, const FitKeys& keys, bool prediction) {
   CycleFit cycle;
   cycle.index = static_cast<int>(r.integer("index", 0));
   cycle.used = r.boolean_or("used", false);
   cycle.note = r.text_or("note", "");
   cycle.amplitude = number_or_null(r, "amplitude_" + keys.displacement);
-  cycle.measured = read_measures(r, keys);
-  cycle.nrmse = number_or_null(r, "nrmse");
+  if (!prediction) {
+    cycle.measured = read_measures(r, keys);
+    cycle.nrmse = number_or_null(r, "nrmse");
+  }
   r.object("fitted", [&](ObjectReader& f) { cycle.fitted = read_measures(f, keys); });
   return cycle;
+}
+
+/// What a test says of the measurement and of the law's distance from it.
+void put_comparison(Json& json, const TestFit& test, const FitKeys& keys) {
+  put_measures(json, test.measured, keys);
+  json["nrmse"] = test.nrmse;
+  json["r_squared"] = test.r_squared;
+  json["gain"] = test.gain;
+  json["weight"] = test.weight;
+  json["force_zero_" + keys.force] = test.force_zero;
+  json["force_drift_" + keys.force] = test.force_drift;
+  json["left_out_nrmse"] = test.left_out_nrmse;
+}
+
+void read_comparison(ObjectReader& r, TestFit& test, const FitKeys& keys) {
+  test.measured = read_measures(r, keys);
+  test.nrmse = number_or_null(r, "nrmse");
+  test.r_squared = number_or_null(r, "r_squared");
+  test.gain = number_or_null(r, "gain");
+  test.weight = number_or_null(r, "weight");
+  test.force_zero = number_or_null(r, "force_zero_" + keys.force);
+  test.force_drift = number_or_null(r, "force_drift_" + keys.force);
+  test.left_out_nrmse = number_or_null(r, "left_out_nrmse");
 }
 
 }  // namespace
@@ -102,20 +129,17 @@ Json test_fit_json(const TestFit& test) {
             {"cycles_used", test.cycles_used},
             {"frequency_Hz", test.frequency}};
   json["amplitude_" + keys.displacement] = test.amplitude;
-  put_measures(json, test.measured, keys);
-  json["nrmse"] = test.nrmse;
-  json["r_squared"] = test.r_squared;
-  json["gain"] = test.gain;
-  json["weight"] = test.weight;
-  json["force_zero_" + keys.force] = test.force_zero;
-  json["force_drift_" + keys.force] = test.force_drift;
-  json["left_out_nrmse"] = test.left_out_nrmse;
+  if (test.prediction) {
+    json["prediction"] = true;
+  } else {
+    put_comparison(json, test, keys);
+  }
   json["fitted"] = measures_json(test.fitted, keys);
   json["per_cycle"] = Json::array();
-  for (const CycleFit& cycle : test.per_cycle) json["per_cycle"].push_back(cycle_json(cycle, keys));
-  json["curve"] = Json{{"displacement_" + keys.displacement, test.curve.displacement},
-                       {"force_" + keys.force, test.curve.force},
-                       {"fitted_" + keys.force, test.curve.fitted}};
+  for (const CycleFit& cycle : test.per_cycle) json["per_cycle"].push_back(cycle_json(cycle, keys, test.prediction));
+  Json& curve = json["curve"] = Json{{"displacement_" + keys.displacement, test.curve.displacement}};
+  if (!test.prediction) curve["force_" + keys.force] = test.curve.force;
+  curve["fitted_" + keys.force] = test.curve.fitted;
   return json;
 }
 
@@ -139,19 +163,13 @@ TestFit read_test_fit(ObjectReader& r) {
   test.cycles_used = static_cast<int>(r.integer("cycles_used", 0));
   test.frequency = number_or_null(r, "frequency_Hz");
   test.amplitude = number_or_null(r, "amplitude_" + keys.displacement);
-  test.measured = read_measures(r, keys);
-  test.nrmse = number_or_null(r, "nrmse");
-  test.r_squared = number_or_null(r, "r_squared");
-  test.gain = number_or_null(r, "gain");
-  test.weight = number_or_null(r, "weight");
-  test.force_zero = number_or_null(r, "force_zero_" + keys.force);
-  test.force_drift = number_or_null(r, "force_drift_" + keys.force);
-  test.left_out_nrmse = number_or_null(r, "left_out_nrmse");
+  test.prediction = r.boolean_or("prediction", false);
+  if (!test.prediction) read_comparison(r, test, keys);
   r.object("fitted", [&](ObjectReader& f) { test.fitted = read_measures(f, keys); });
-  r.each("per_cycle", 0, [&](ObjectReader& c) { test.per_cycle.push_back(read_cycle(c, keys)); });
+  r.each("per_cycle", 0, [&](ObjectReader& c) { test.per_cycle.push_back(read_cycle(c, keys, test.prediction)); });
   r.optional_object("curve", [&](ObjectReader& c) {
     test.curve.displacement = numbers_or_nulls(c, "displacement_" + keys.displacement);
-    test.curve.force = numbers_or_nulls(c, "force_" + keys.force);
+    if (!test.prediction) test.curve.force = numbers_or_nulls(c, "force_" + keys.force);
     test.curve.fitted = numbers_or_nulls(c, "fitted_" + keys.force);
   });
   return test;

@@ -42,6 +42,8 @@ struct TestFit {
   std::string name;
   Axis axis = Axis::x;
   TestKind kind = TestKind::cyclic;
+  bool prediction =
+      false;  ///< nothing was measured: there is `fitted` alone; measures, errors and force stay 0 or empty
   long samples = 0;
   int cycles = 0;
   int cycles_used = 0;

@@ -197,19 +197,24 @@ def measures(turning):
             f"loss_stiffness_{stiffness}": OPEN_NUMBER}
 
 
-def fit_test(turning):
+def fit_test(turning, prediction):
+    """A prediction holds nothing measured, and so no error either."""
     length, force = ("rad", "N_m") if turning else ("m", "N")
-    cycle = record(index=whole(0), used_=BOOLEAN, nrmse=OPEN_NUMBER, fitted=record(**measures(turning)),
-                   **{f"amplitude_{length}": OPEN_NUMBER}, **measures(turning))
-    curve = record(**{f"displacement_{length}": OPEN_NUMBERS, f"force_{force}": OPEN_NUMBERS,
-                      f"fitted_{force}": OPEN_NUMBERS})
+    of_cycle, of_curve, of_test = {}, {}, {"prediction": {"const": True}}
+    if not prediction:
+        of_cycle = {"nrmse": OPEN_NUMBER, **measures(turning)}
+        of_curve = {f"force_{force}": OPEN_NUMBERS}
+        of_test = {"prediction_": {"const": False}, "r_squared": OPEN_NUMBER, "gain": OPEN_NUMBER,
+                   "weight": OPEN_NUMBER, "left_out_nrmse": OPEN_NUMBER, f"force_zero_{force}": OPEN_NUMBER,
+                   f"force_drift_{force}": OPEN_NUMBER, **of_cycle}
+    cycle = record(index=whole(0), used_=BOOLEAN, fitted=record(**measures(turning)),
+                   **{f"amplitude_{length}": OPEN_NUMBER}, **of_cycle)
+    curve = record(**{f"displacement_{length}": OPEN_NUMBERS, f"fitted_{force}": OPEN_NUMBERS}, **of_curve)
     axes = [a for a in AXES if a.startswith("r") == turning]
     return record(name=TEXT, axis=one_of(*axes), kind=one_of("static", "cyclic"), samples=whole(0), cycles=whole(0),
-                  cycles_used=whole(0), frequency_Hz=OPEN_NUMBER, nrmse=OPEN_NUMBER, r_squared=OPEN_NUMBER,
-                  gain=OPEN_NUMBER, weight=OPEN_NUMBER, left_out_nrmse=OPEN_NUMBER,
+                  cycles_used=whole(0), frequency_Hz=OPEN_NUMBER,
                   fitted=record(**measures(turning)), per_cycle=list_of(cycle), curve_=curve,
-                  **{f"amplitude_{length}": OPEN_NUMBER, f"force_zero_{force}": OPEN_NUMBER,
-                     f"force_drift_{force}": OPEN_NUMBER}, **measures(turning))
+                  **{f"amplitude_{length}": OPEN_NUMBER}, **of_test)
 
 
 def fit_axis(turning):
@@ -240,7 +245,8 @@ def fit_axis(turning):
 
 
 NOTES = list_of(record(code=TEXT, test_=TEXT, text=TEXT))
-FIT_TESTS = list_of({"oneOf": [fit_test(False), fit_test(True)]})
+FIT_TESTS = list_of({"oneOf": [fit_test(turning, prediction) for turning in (False, True)
+                               for prediction in (False, True)]})
 FIT = document("fit", "How a bushing is known: tests, parameters, uncertainty", specimen=TEXT, synthetic_=BOOLEAN,
                synthetic_note_=TEXT, calibration_residual=OPEN_NUMBER,
                tests=FIT_TESTS,
