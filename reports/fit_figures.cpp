@@ -81,12 +81,13 @@ std::optional<Figure> figure_loops(const std::vector<const TestFit*>& tests, con
                 .x_label = displacement_label(test->axis, units),
                 .y_label = force_label(test->axis, units)};
     // Wide and under the thin line of the law: where the law leaves the measurement, it leaves the wide line.
-    panel.series.push_back({.name = "measured",
-                            .x = x,
-                            .y = times(test->curve.force, units.force_scale),
-                            .width = 3.8f,
-                            .hue = k_blue,
-                            .opacity = 0.45f});
+    if (!test->prediction)
+      panel.series.push_back({.name = "measured",
+                              .x = x,
+                              .y = times(test->curve.force, units.force_scale),
+                              .width = 3.8f,
+                              .hue = k_blue,
+                              .opacity = 0.45f});
     if (!left_out(*test))
       panel.series.push_back(
           {.name = law, .x = x, .y = times(test->curve.fitted, units.force_scale), .width = 1.3f, .hue = k_orange});
@@ -105,7 +106,7 @@ std::optional<Figure> figure_residuals(const std::vector<const TestFit*>& tests)
   double largest = 0.0;
   for (const TestFit* test : tests) {
     const LoopCurve& curve = test->curve;
-    if (curve.displacement.empty() || left_out(*test)) continue;
+    if (curve.displacement.empty() || left_out(*test) || test->prediction) continue;
     const AxisUnits units = units_of(test->axis);
     const auto [low, high] = std::ranges::minmax(curve.force);
     Series residual{.name = "measured − law",

@@ -80,6 +80,17 @@ json rig_card(const std::filesystem::path& folder) {
   const ReplayRecord replay = read_replay(folder / "replay.json");
   json facts{{"kind", "Virtual rig"},           {"title", replay.bushing},  {"verdict", rig_verdict(replay)},
              {"numbers", rig_headline(replay)}, {"payload_picture", false}, {"payload_dark", false}};
+  const auto drawn = std::ranges::find_if(replay.tests, [](const TestFit& t) { return !t.curve.fitted.empty(); });
+  if (drawn != replay.tests.end()) {
+    Figure figure = *figure_loops({&*drawn}, "virtual rig");
+    figure.title.clear();
+    figure.columns = 1;
+    figure.width = 800;
+    figure.height = 450;
+    facts["payload_picture"] = encoded(draw(figure, Theme::light, 1.5));
+    facts["payload_dark"] = encoded(draw(figure, Theme::dark, 1.5));
+    facts["alt"] = text_alternative(figure);
+  }
   facts["links"] = file_links(folder, {"report.html", "report.json", "replay.json", "rig.json"});
   facts["is_synthetic"] = !replay.provenance.synthetic.empty();
   return card(folder, facts);

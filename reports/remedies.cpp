@@ -13,7 +13,7 @@ struct Entry {
   const char* correction;
 };
 
-constexpr std::array<Entry, 23> k_entries{{
+constexpr std::array<Entry, 24> k_entries{{
     {"drift", "A zero wanders during the test",
      "A straight drift of the force is taken out in the fit and listed with the test. Let the amplifiers warm up and "
      "zero them before each test; where the specimen creeps, ask for the correction.",
@@ -64,6 +64,8 @@ constexpr std::array<Entry, 23> k_entries{{
     {"unusable_test", "The test cannot be used", "See the evidence; the test did not enter the fit.", ""},
     {"outside_valid_range", "The motion leaves the range in which the law was identified",
      "Nothing is known of the rubber there; test it there, or do not trust the response.", ""},
+    {"no_measurement", "A protocol holds no measurement", "Measure it, or drive it with grouser rig for a prediction.",
+     ""},
     {"axis_without_test", "An axis was not tested",
      "Test it, or take its law from another source: a track needs all six.", ""},
 }};

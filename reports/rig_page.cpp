@@ -19,7 +19,7 @@ using nlohmann::json;
 std::vector<const TestFit*> compared_tests(const ReplayRecord& replay) {
   std::vector<const TestFit*> tests;
   for (const TestFit& test : replay.tests)
-    if (!left_out(test)) tests.push_back(&test);
+    if (!left_out(test) && !test.prediction) tests.push_back(&test);
   return tests;
 }
 
@@ -41,6 +41,7 @@ LargestErrors largest_errors(const ReplayRecord& replay) {
 
 /// The limits of an identification, for the same law in another program part must meet them too.
 json check_facts(const ReplayRecord& replay) {
+  if (compared_tests(replay).empty()) return json::array();
   const LargestErrors errors = largest_errors(replay);
   const auto check = [](const char* label, double value, double limit) {
     return json{{"label", label},
@@ -83,7 +84,7 @@ json rig_verdict(const ReplayRecord& replay) {
   const auto failed = std::ranges::count_if(checks, [](const json& check) { return !check["pass"].get<bool>(); });
   const auto total = static_cast<long>(replay.tests.size());
   const auto compared = static_cast<long>(compared_tests(replay).size());
-  std::string text = compared == 0 ? "No test holds a measurement to compare with"
+  std::string text = compared == 0 ? "A prediction: no test holds a measurement to compare with"
                      : failed == 0 ? "The simulator’s bushing meets every limit on the measured tests"
                                    : fmt::format("{} of {} limits are not met", failed, checks.size());
   const bool partial = compared < total;
@@ -99,10 +100,12 @@ json rig_headline(const ReplayRecord& replay) {
   const auto tile = [](const char* label, double value) {
     return json{{"label", label}, {"value", value}, {"text", percent_text(value, 2)}};
   };
-  return json::array({{{"label", "axes driven"}, {"value", axes}, {"text", count_text(axes)}},
-                      {{"label", "tests"}, {"value", tests}, {"text", count_text(tests)}},
-                      tile("largest error of a test (nrmse)", errors.nrmse),
-                      tile("largest error of a loop’s energy", errors.energy)});
+  json headline = json::array({{{"label", "axes driven"}, {"value", axes}, {"text", count_text(axes)}},
+                               {{"label", "tests"}, {"value", tests}, {"text", count_text(tests)}}});
+  if (compared_tests(replay).empty()) return headline;
+  headline.push_back(tile("largest error of a test (nrmse)", errors.nrmse));
+  headline.push_back(tile("largest error of a loop’s energy", errors.energy));
+  return headline;
 }
 
 json rig_facts(const RigFolder& folder, const std::string& id, int level) {
@@ -111,6 +114,7 @@ json rig_facts(const RigFolder& folder, const std::string& id, int level) {
   facts["title"] = replay.bushing;
   facts["subtitle"] = fmt::format("The simulator’s bushing element on the tests of {}", replay.specimen);
   facts["checks"] = check_facts(replay);
+  facts["has_checks"] = !facts["checks"].empty();
   facts["verdict"] = rig_verdict(replay);
   facts["headline"] = rig_headline(replay);
   facts["tile_columns"] = tile_columns(facts["headline"].size());

@@ -54,37 +54,40 @@ json row_facts(const TestFit& test, const TestSet& set) {
   const LoopMeasures &m = test.measured, &f = test.fitted;
   const bool cyclic = test.kind == TestKind::cyclic, used = !left_out(test);
   const auto if_used = [used](json facts) { return used ? std::move(facts) : absent(); };
+  const auto if_measured = [&](json facts) { return used && !test.prediction ? std::move(facts) : absent(); };
   const auto joint = [&](bool known, json facts) {
     return used && set.joint_fit && known ? std::move(facts) : absent();
   };
-  return {{"name", test.name},
-          {"kind", cyclic ? "cyclic" : "static"},
-          {"cycles", used ? fmt::format("{} of {}", test.cycles_used, test.cycles) : left_out_text(test, set.warnings)},
-          {"left_out", !used},
-          {"samples", {{"value", test.samples}, {"text", count_text(test.samples)}}},
-          {"frequency", cyclic && test.frequency > 0.0 ? scaled(test.frequency, 1.0) : absent()},
-          {"amplitude", if_used(scaled(test.amplitude, units.displacement_scale))},
-          {"nrmse", if_used(percent(test.nrmse))},
-          {"r_squared", if_used({{"value", test.r_squared}, {"text", number_text(test.r_squared, 5)}})},
-          {"stiffness", if_used(scaled(stiffness_of(m), units.stiffness_scale))},
-          {"stiffness_fit", if_used(scaled(stiffness_of(f), units.stiffness_scale))},
-          {"stiffness_error", if_used(error_facts(stiffness_of(f), stiffness_of(m)))},
-          {"secant", if_used(m.secant_stiffness > 0.0 ? scaled(m.secant_stiffness, units.stiffness_scale) : absent())},
-          {"energy", if_used(scaled(m.dissipated_energy, 1.0))},
-          {"energy_fit", if_used(scaled(f.dissipated_energy, 1.0))},
-          {"energy_error", if_used(error_facts(f.dissipated_energy, m.dissipated_energy))},
-          {"loss_factor", if_used(scaled(loss_factor_of(m), 1.0))},
-          {"loss_factor_fit", if_used(scaled(loss_factor_of(f), 1.0))},
-          {"weight", joint(true, scaled(test.weight, 1.0))},
-          {"gain", joint(true, signed_percent(test.gain))},
-          {"left_out_nrmse", joint(test.left_out_nrmse > 0.0, percent(test.left_out_nrmse))},
-          {"force_zero", joint(true, scaled(test.force_zero, units.force_scale))},
-          {"force_drift", joint(true, scaled(test.force_drift, units.force_scale))}};
+  return {
+      {"name", test.name},
+      {"kind", cyclic ? "cyclic" : "static"},
+      {"cycles", used ? fmt::format("{} of {}", test.cycles_used, test.cycles) : left_out_text(test, set.warnings)},
+      {"left_out", !used},
+      {"samples", {{"value", test.samples}, {"text", count_text(test.samples)}}},
+      {"frequency", cyclic && test.frequency > 0.0 ? scaled(test.frequency, 1.0) : absent()},
+      {"amplitude", if_used(scaled(test.amplitude, units.displacement_scale))},
+      {"nrmse", if_measured(percent(test.nrmse))},
+      {"r_squared", if_measured({{"value", test.r_squared}, {"text", number_text(test.r_squared, 5)}})},
+      {"stiffness", if_measured(scaled(stiffness_of(m), units.stiffness_scale))},
+      {"stiffness_fit", if_used(scaled(stiffness_of(f), units.stiffness_scale))},
+      {"stiffness_error", if_measured(error_facts(stiffness_of(f), stiffness_of(m)))},
+      {"secant", if_measured(m.secant_stiffness > 0.0 ? scaled(m.secant_stiffness, units.stiffness_scale) : absent())},
+      {"energy", if_measured(scaled(m.dissipated_energy, 1.0))},
+      {"energy_fit", if_used(scaled(f.dissipated_energy, 1.0))},
+      {"energy_error", if_measured(error_facts(f.dissipated_energy, m.dissipated_energy))},
+      {"loss_factor", if_measured(scaled(loss_factor_of(m), 1.0))},
+      {"loss_factor_fit", if_used(scaled(loss_factor_of(f), 1.0))},
+      {"weight", joint(true, scaled(test.weight, 1.0))},
+      {"gain", joint(true, signed_percent(test.gain))},
+      {"left_out_nrmse", joint(test.left_out_nrmse > 0.0, percent(test.left_out_nrmse))},
+      {"force_zero", joint(true, scaled(test.force_zero, units.force_scale))},
+      {"force_drift", joint(true, scaled(test.force_drift, units.force_scale))}};
 }
 
 /// What a reader asks of a loop before looking at the table.
 std::string tile_note(const TestFit& test) {
   if (left_out(test)) return "left out of the fit";
+  if (test.prediction) return "prediction, not measured";
   std::string note = "nrmse " + percent_text(test.nrmse, 2);
   if (test.measured.dissipated_energy > 0.0)
     note += ", energy " +
@@ -119,7 +122,7 @@ json cycle_facts(const TestFit& test, const CycleFit& cycle) {
           {"secant", known(m.secant_stiffness, units.stiffness_scale)},
           {"energy", known(m.dissipated_energy, 1.0)},
           {"loss_factor", known(m.loss_factor, 1.0)},
-          {"nrmse", cycle.used ? percent(cycle.nrmse) : absent()}};
+          {"nrmse", cycle.used && !test.prediction ? percent(cycle.nrmse) : absent()}};
 }
 
 /// Every cycle of every test; of a very long test its first and its last.

@@ -111,6 +111,8 @@ const std::vector<Mutation>& mutations() {
       {"fit", "correction_without_words", [](Json& j) { j["corrections"][0].erase("text"); }},
       {"fit", "half_a_stop", [](Json& j) { j["axes"]["x"]["selection"][0]["stops"] = 0.5; }},
       {"fit", "no_solver", [](Json& j) { j["axes"]["x"].erase("solver"); }},
+      {"replay", "error_of_a_prediction", [](Json& j) { j["tests"][1]["nrmse"] = 0.01; }},
+      {"replay", "nothing_measured", [](Json& j) { j["tests"][0].erase("loss_factor"); }},
       {"replay", "no_law", [](Json& j) { j.erase("bushing"); }},
       {"replay", "wordless_warning", [](Json& j) { j["warnings"][0].erase("text"); }},
       {"run", "unknown_status", [](Json& j) { j["status"] = "finished"; }},
@@ -165,7 +167,9 @@ std::map<std::string, Json> valid_documents(const TemporaryFolder& folder) {
         {"name": "loop", "axis": "ry", "kind": "cyclic", "amplitude_deg": 10, "frequency_Hz": 1, "protocol": {"cycles": 4}}]})");
   write_fit(small_fit(), folder.path() / "written");
   documents["fit"] = parsed(folder.path() / "written");
-  write_replay({"s", "b", small_fit().tests, {{"rate_unknown", "t", "x"}}, {}, {}}, folder.path() / "written");
+  std::vector<TestFit> driven(2, small_fit().tests[0]);
+  driven[1].prediction = true;
+  write_replay({"s", "b", driven, {{"rate_unknown", "t", "x"}}, {}, {}}, folder.path() / "written");
   documents["replay"] = parsed(folder.path() / "written");
   write_run_summary(small_run(), folder.path() / "written");
   documents["run"] = parsed(folder.path() / "written");

@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 TEST(ShippedFiles, AreAllRight) {
   int files = 0;
-  for (const char* const folder : {"vehicles", "scenarios", "bushings", "rig/reference"}) {
+  for (const char* const folder : {"vehicles", "scenarios", "bushings", "rig/reference", "rig/protocol"}) {
     for (const auto& entry : fs::directory_iterator(test_data(folder))) {
       if (entry.path().extension() != ".json" || entry.path().stem() == "truth") continue;
       EXPECT_THAT(check_file(entry.path()), testing::StartsWith("ok: ")) << entry.path();
