@@ -95,6 +95,25 @@ class Pipeline(unittest.TestCase):
         self.assertGreater(len(held), 200)
         self.assertGreaterEqual(sum(held) / len(held), 0.95)  # what a 95 % interval promises; 0.976 when this was written
 
+    def test_identify_finds_the_response_of_a_bushing_that_a_protocol_drove(self):
+        protocol = os.path.join(DATA, "rig/protocol/rig.json")
+        driven, found = self.path("prediction"), self.path("law_of_prediction")
+        result("rig", protocol, "--bushing", os.path.join(self.fit, "bushing.json"), "-o", driven)
+        for test in self.read_json("prediction", "replay.json")["tests"]:
+            self.assertTrue(test["prediction"])
+            self.assertNotIn("nrmse", test)
+        refused = subprocess.run([COMMAND, "identify", protocol, "-o", found], capture_output=True, text=True)
+        self.assertEqual(refused.returncode, 3, refused.stderr)
+        self.assertIn("one test with a measurement", refused.stderr)
+        run("identify", os.path.join(driven, "rig.json"), "-o", found)
+        predicted = {test["name"]: test["fitted"] for test in self.read_json("prediction", "replay.json")["tests"]}
+        for test in self.read_json("law_of_prediction", "fit.json")["tests"]:
+            # What an identification promises on the campaign's own grid: energy 2 %, stiffness 1.5 %.
+            energy, key = predicted[test["name"]]["dissipated_energy_J"], "effective_stiffness_N_per_m"
+            self.assertAlmostEqual(test["fitted"]["dissipated_energy_J"], energy, delta=0.02 * energy)
+            self.assertAlmostEqual(test["fitted"][key], predicted[test["name"]][key],
+                                   delta=0.015 * predicted[test["name"]][key])
+
     def test_the_virtual_rig_does_not_write_over_its_campaign(self):
         rig = self.path("own")
         bushing = os.path.join(self.fit, "bushing.json")
