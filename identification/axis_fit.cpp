@@ -96,10 +96,12 @@ Dictionary full_dictionary(const AxisData& data, double yield_spread, double tim
 AxisSolution fit_axis(const AxisData& data, const PolishOptions& options) {
   require_squares(data);
   const LawChoice choice = choose_law(thin(data).data, options);
-  PolishedLaw law = polish(data, search_bounds(data), choice.dictionary, options);
+  PolishOptions last = options;
+  last.gradient_limit = k_gradient_limit;
+  PolishedLaw law = polish(data, search_bounds(data), choice.dictionary, last);
   const Dictionary used = used_elements(law.dictionary, law.coefficients);
   if (used.yields != law.dictionary.yields || used.relaxation_times != law.dictionary.relaxation_times) {
-    law = polish(data, search_bounds(data), used, options);
+    law = polish(data, search_bounds(data), used, last);
   }
   require_optimal(law);
 

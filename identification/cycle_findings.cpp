@@ -72,10 +72,12 @@ void find_unsettled(const PreparedTest& test, std::vector<FitWarning>& warnings)
       noise = energy_noise(test, cycle);
     }
     if (energies.size() < 3) continue;
-    // The same sign twice over tells settling from noise.
-    const double last = energies.back() / energies[energies.size() - 2] - 1.0;
-    const double before = energies[energies.size() - 2] / energies[energies.size() - 3] - 1.0;
-    const double limit = std::max(k_settling, 3.0 * noise / std::abs(energies.back()));
+    // The same sign twice over tells settling from noise. Against their mean, because one of three may be near 0 in
+    // noise.
+    const auto end = energies.end();
+    const double usual = std::abs(end[-1] + end[-2] + end[-3]) / 3.0;
+    const double last = (end[-1] - end[-2]) / usual, before = (end[-2] - end[-3]) / usual;
+    const double limit = std::max(k_settling, 3.0 * noise / usual);
     if (last * before <= 0.0 || 0.5 * std::abs(last + before) <= limit) continue;
     warnings.push_back({"unsettled_cycles", test.source->name,
                         fmt::format("loop area still changes by {:.1f} % a cycle in the last cycles of block {}",
@@ -98,8 +100,10 @@ std::pair<std::string, int> cycles_noted(const PreparedTest& test, const char* n
 void find_transitions(const PreparedTest& test, std::vector<FitWarning>& warnings) {
   const auto [list, count] = cycles_noted(test, "transition");
   if (count == 0) return;
-  warnings.push_back({"transition_cycles", test.source->name,
-                      fmt::format("cycles {} lie between two amplitudes and are not fitted", list)});
+  warnings.push_back(
+      {"transition_cycles", test.source->name,
+       fmt::format("{} between two amplitudes and {} not fitted",
+                   count > 1 ? "cycles " + list + " lie" : "cycle " + list + " lies", count > 1 ? "are" : "is")});
 }
 
 void find_trailing(const PreparedTest& test, std::vector<FitWarning>& warnings) {
@@ -140,7 +144,7 @@ void find_conditioning(const PreparedTest& test, std::vector<FitWarning>& warnin
   warnings.push_back({"conditioning_cycles", test.source->name,
                       fmt::format("loop area of the first cycle {:+.0f} %, stiffness {:+.0f} % against the used ones; "
                                   "{} conditioning cycles are not used",
-                                  100.0 * worst, 100.0 * worst_range, dropped)});
+                                  whole(100.0 * worst), whole(100.0 * worst_range), dropped)});
 }
 
 struct Trend {

@@ -32,13 +32,13 @@ struct Plateau {
   std::size_t at = 0, length = 0;
 };
 
-// Longest run of equal samples at the level, or anywhere else.
-Plateau longest_plateau(const std::vector<double>& signal, double level, bool at_level) {
+// Longest run of equal samples among those that count.
+template <typename Counts>
+Plateau longest_plateau(const std::vector<double>& signal, const Counts& counts) {
   Plateau best;
   std::size_t run = 0;
   for (std::size_t i = 0; i < signal.size(); ++i) {
-    const bool counts = (signal[i] == level) == at_level;
-    run = counts ? (run > 0 && signal[i] == signal[i - 1] ? run + 1 : 1) : 0;
+    run = counts(signal[i]) ? (run > 0 && signal[i] == signal[i - 1] ? run + 1 : 1) : 0;
     if (run > best.length) best = {i + 1 - run, run};
   }
   return best;
@@ -64,10 +64,15 @@ void find_clipping(const PreparedTest& test, const std::vector<double>& channel,
   const auto [low, high] = std::minmax_element(channel.begin(), channel.end());
   const double moved_enough = 0.002 * central_range(other);
   for (const double level : {*low, *high}) {
-    const Plateau top = longest_plateau(channel, level, true);
+    const Plateau top = longest_plateau(channel, [&](double value) { return value == level; });
     const auto [at, length] = top;
-    // coarse steps of a converter stand still everywhere
-    if (length < std::max(k_clipped_run, 3 * longest_plateau(channel, level, false).length)) continue;
+    // Coarse steps of a converter stand still everywhere. A sensor may be cut at both ends, but a short run at either
+    // is a crest.
+    const bool both = length >= k_long_run;
+    const std::size_t elsewhere = longest_plateau(channel, [&](double value) {
+                                    return both ? value != *low && value != *high : value != level;
+                                  }).length;
+    if (length < std::max(k_clipped_run, 3 * elsewhere)) continue;
     const auto first = other.begin() + static_cast<std::ptrdiff_t>(at);
     const auto [a, b] = std::minmax_element(first, first + static_cast<std::ptrdiff_t>(length));
     if (*b - *a < moved_enough || is_round(channel, top)) continue;
@@ -110,26 +115,29 @@ void find_mixed_channels(PreparedTest& test, std::vector<FitWarning>& warnings) 
       sff += (test.force[i] - mean_f) * (test.force[i] - mean_f);
     }
   }
-  const bool open = test.cycles.front().open;  // the sign of its slope is all that it can tell
-  if (!open && loss < k_least_loss * static_cast<double>(test.cycles.size())) return;
-  const bool turns_right = open ? sxf > 0.0 : energy > 0.0, rises = sxf > -k_no_slope * std::sqrt(sxx * sff);
+  // Of an open ramp, or of a loop as good as elastic, the sign of the slope is all that can be told.
+  const bool no_area = test.cycles.front().open || loss < k_least_loss * static_cast<double>(test.cycles.size());
+  const bool rises = sxf > -k_no_slope * std::sqrt(sxx * sff), turns_right = no_area ? rises : energy > 0.0;
   if (turns_right && rises) return;
   const auto cycles = static_cast<double>(test.cycles.size());
   std::string evidence =
       fmt::format("loop area {:.4g} J, slope {}", energy / cycles, Shown(test.source->axis).stiffness(sxf / sxx));
-  std::string code = "reversed_polarity", reading = "one channel has its sign reversed";
+  std::string code = "reversed_polarity", reading = "one channel has its sign reversed", remedy = "reverse_force";
   // A loop that turns the wrong way round its own slope looks the same for three faults; the user knows which.
   const std::string wrong_turn = "force and displacement are swapped, or time runs backwards, or one channel lags";
   if (!turns_right && rises) {
     code = "swapped_columns";
     reading = wrong_turn;
+    remedy = "swap_columns if they are swapped";
     evidence += evidence_of_wrong_turn(test, signed_loss / cycles);
   } else if (turns_right) {
     code = "swapped_columns";
     reading += ", and besides " + wrong_turn;
+    remedy = "reverse_force, and swap_columns if they are swapped";
   }
   test.unusable = reading;
-  warnings.push_back({code, test.source->name, evidence + ": " + reading + "; the test is left out of the fit"});
+  warnings.push_back({code, test.source->name,
+                      evidence + ": " + reading + "; the test is left out of the fit (ask for " + remedy + ")"});
   for (Cycle& cycle : test.cycles) {
     cycle.used = false;
     cycle.note = reading;
@@ -215,9 +223,9 @@ void find_offset(const PreparedTest& test, std::vector<FitWarning>& warnings) {
   const LoopCentre centre = centre_of_loops(test);
   const Shown shown(test.source->axis);
   const double x = centre.displacement / centre.displacement_range, f = centre.force / centre.force_range;
-  const std::string where =
-      fmt::format("loops run about {} ({:.0f} % of their range) and {} ({:.0f} %)",
-                  shown.displacement(centre.displacement), 100.0 * x, shown.force(centre.force), 100.0 * f);
+  const std::string where = fmt::format("loops run about {} ({:.0f} % of their range) and {} ({:.0f} %)",
+                                        shown.displacement(centre.displacement), whole(100.0 * x),
+                                        shown.force(centre.force), whole(100.0 * f));
   if (test.source->preset) {
     const double off = std::abs(centre.displacement - *test.source->preset) / centre.displacement_range;
     if (off <= k_offset || std::abs(x) <= k_offset) return;

@@ -75,7 +75,19 @@ void note_tests(const AxisData& data, const AxisSolution& solution, AxisResult& 
   }
 }
 
-AxisResult identify_axis(Axis axis, const std::vector<const PreparedTest*>& tests) {
+// What the data of these tests show, for whoever reads that their fit failed.
+std::string evidence(const std::vector<const PreparedTest*>& tests, const std::vector<FitWarning>& warnings) {
+  std::string text;
+  for (const FitWarning& warning : warnings) {
+    const auto is_it = [&](const PreparedTest* test) { return test->source->name == warning.test; };
+    if (std::ranges::any_of(tests, is_it))
+      text += fmt::format("; {} ({}): {}", warning.code, warning.test, warning.text);
+  }
+  return text;
+}
+
+AxisResult identify_axis(Axis axis, const std::vector<const PreparedTest*>& tests,
+                         const std::vector<FitWarning>& warnings) {
   AxisData data = gather(tests);
   weigh_tests(data);
   AxisResult result;
@@ -90,7 +102,7 @@ AxisResult identify_axis(Axis axis, const std::vector<const PreparedTest*>& test
     result.draws = estimate_uncertainty(data, solution, result.law, result.fit);
     find_joint_limits(result.fit);
   } catch (const NumericalError& error) {
-    throw NumericalError(fmt::format("axis {}: {}", name_of(axis), error.what()));
+    throw NumericalError(fmt::format("axis {}: {}{}", name_of(axis), error.what(), evidence(tests, warnings)));
   }
   return result;
 }
@@ -102,7 +114,8 @@ void report_progress(const Progress& progress, double fraction, const std::strin
 using AxisResults = std::array<std::optional<AxisResult>, k_num_axes>;
 
 // Axes are independent; each result has its own place, so the number of threads changes nothing.
-AxisResults identify_axes(const std::vector<PreparedTest>& tests, int threads, const Progress& progress) {
+AxisResults identify_axes(const std::vector<PreparedTest>& tests, const std::vector<FitWarning>& warnings, int threads,
+                          const Progress& progress) {
   AxisResults results;
   std::array<std::exception_ptr, k_num_axes> errors;
   std::atomic<int> next{0};
@@ -113,7 +126,7 @@ AxisResults identify_axes(const std::vector<PreparedTest>& tests, int threads, c
         const auto usable = usable_tests(tests, static_cast<Axis>(a));
         if (reports)
           report_progress(progress, (1.0 + a) / (2.0 + k_num_axes), fmt::format("fitting axis {}", k_axis_names[at]));
-        if (!usable.empty()) results[at] = identify_axis(static_cast<Axis>(a), usable);
+        if (!usable.empty()) results[at] = identify_axis(static_cast<Axis>(a), usable, warnings);
       } catch (...) {
         errors[at] = std::current_exception();
         next = k_num_axes;
@@ -131,13 +144,14 @@ AxisResults identify_axes(const std::vector<PreparedTest>& tests, int threads, c
   return results;
 }
 
-void require_usable_data(const RigRecord& rig, const std::vector<PreparedTest>& tests) {
+void require_usable_data(const RigRecord& rig, const std::vector<PreparedTest>& tests,
+                         const std::vector<FitWarning>& warnings) {
   std::vector<InputFinding> findings;
   for (const PreparedTest& test : tests) {
     if (test.unusable.empty()) return;
     findings.push_back({rig.path.string(), fmt::format("/tests/{}", test.source - rig.tests.data()),
                         "a test that closes cycles of force over displacement", test.unusable,
-                        "test " + test.source->name});
+                        "test " + test.source->name + evidence({&test}, warnings)});
   }
   if (findings.empty()) {
     findings.push_back({rig.path.string(), "/tests", "at least one test with a measurement", "none",
@@ -201,9 +215,9 @@ IdentifyResult identify(const RigRecord& rig, const IdentifyOptions& options, co
   }
   gather_common_findings(result.fit.warnings);
   for (AppliedCorrection& one : campaign_corrections(tests, rig)) result.fit.corrections.push_back(std::move(one));
-  require_usable_data(rig, tests);
+  require_usable_data(rig, tests, result.fit.warnings);
 
-  const AxisResults axes = identify_axes(tests, options.threads, progress);
+  const AxisResults axes = identify_axes(tests, result.fit.warnings, options.threads, progress);
   warn_of_missing_axes(axes, result.fit.warnings);
   for (std::size_t a = 0; a < axes.size(); ++a) {
     if (!axes[a]) continue;

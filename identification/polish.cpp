@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 
@@ -15,6 +16,9 @@ namespace {
 
 constexpr double k_parameter_tolerance = 1e-7;
 constexpr double k_at_bound = 1e-9;  // distance in the logarithm
+constexpr std::array k_moves{-0.05, -0.01, -0.002,
+                             0.002, 0.01,  0.05};  // of one logarithm: across a kink, and beyond it
+constexpr int k_most_moves = 20;
 
 std::vector<double> log_parameters(const Dictionary& dictionary) {
   std::vector<double> result;
@@ -163,6 +167,31 @@ double largest_gradient(const Projection& here, const std::vector<Range>& bounds
   return worst;
 }
 
+double twice_cost(const Projection& here) {
+  const Eigen::Index n = here.inner.x.size(), force = here.moments.cols() - 1;
+  return here.moments(force, force) - here.moments.col(force).head(n).dot(here.inner.x);
+}
+
+struct Move {
+  std::vector<double> logs;
+  double gain = 0.0;  // fraction of the cost
+};
+
+// The move of one parameter alone that lowers the cost most.
+Move best_single_move(const ProjectedCost& cost, const std::vector<Range>& bounds, const std::vector<double>& logs) {
+  const double before = twice_cost(cost.at(logs));
+  Move best{logs, 0.0};
+  for (std::size_t i = 0; i < logs.size(); ++i) {
+    for (const double step : k_moves) {
+      std::vector<double> moved = logs;
+      moved[i] = std::clamp(logs[i] + step, bounds[i].low, bounds[i].high);
+      const double gain = 1.0 - twice_cost(cost.at(moved)) / before;
+      if (gain > best.gain) best = {std::move(moved), gain};
+    }
+  }
+  return best;
+}
+
 }  // namespace
 
 PolishedLaw polish(const AxisData& data, const PolishBounds& bounds, const Dictionary& start,
@@ -171,11 +200,20 @@ PolishedLaw polish(const AxisData& data, const PolishBounds& bounds, const Dicti
   std::vector<double> logs = log_parameters(start);
   const std::vector<Range> limits = ranges(start, bounds);
   PolishedLaw result{start, {}, {}, {}, {"CONVERGENCE", 0, 0.0, 0.0, 0.0}, 0.0, true};
-  if (!logs.empty()) {
+  for (int moves = 0; !logs.empty(); ++moves) {
     const ceres::Solver::Summary summary = minimise(cost, limits, options, logs);
     result.converged = summary.termination_type == ceres::CONVERGENCE;
-    result.summary = {ceres::TerminationTypeToString(summary.termination_type),
-                      static_cast<int>(summary.iterations.size()), summary.initial_cost, summary.final_cost, 0.0};
+    result.summary.termination = ceres::TerminationTypeToString(summary.termination_type);
+    result.summary.iterations += static_cast<int>(summary.iterations.size());
+    if (moves == 0) result.summary.initial_cost = summary.initial_cost;
+    result.gradient = largest_gradient(cost.at(logs), limits);
+    if (!(result.gradient > options.gradient_limit) || moves == k_most_moves) break;
+    Move move = best_single_move(cost, limits, logs);
+    if (move.gain < options.gradient_limit * options.gradient_limit) {
+      result.gradient = std::sqrt(move.gain);
+      break;
+    }
+    logs = std::move(move.logs);
   }
   const Projection& here = cost.at(logs);
   const Eigen::Index n = here.inner.x.size(), force = here.moments.cols() - 1;
@@ -183,9 +221,7 @@ PolishedLaw polish(const AxisData& data, const PolishBounds& bounds, const Dicti
   result.coefficients = here.inner.x;
   result.free = here.inner.free;
   result.moments = here.blocks;
-  result.gradient = largest_gradient(here, limits);
-  result.summary.final_cost =
-      0.5 * (here.moments(force, force) - here.moments.col(force).head(n).dot(result.coefficients));
+  result.summary.final_cost = 0.5 * twice_cost(here);
   result.summary.kkt_residual = kkt_residual(here.moments.topLeftCorner(n, n), here.moments.col(force).head(n),
                                              here.moments(force, force), result.coefficients);
   return result;

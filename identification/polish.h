@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <limits>
 
 #include "identification/block_moments.h"
 #include "model/fit.h"
@@ -16,6 +17,8 @@ struct PolishBounds {
 struct PolishOptions {
   double function_tolerance = 1e-8;  ///< relative change of the cost at which the search stops
   int max_iterations = 200;
+  /// `gradient` above which the parameters are moved one by one before the search goes on; see polish().
+  double gradient_limit = std::numeric_limits<double>::infinity();
 };
 
 /// A law after the search for its nonlinear parameters.
@@ -33,6 +36,10 @@ struct PolishedLaw {
 /// Jacobian): Ceres on their logarithms, non-negative least squares for the coefficients inside. `gradient` is the
 /// largest cosine between the residual and its derivative by a parameter that is not held by its bound: moving that
 /// parameter alone could lower the cost by the fraction gradient^2.
+/// The cost has kinks, where a yield lets one more sample slip, and Ceres' joint steps stop at one although the other
+/// parameters are short of their optimum. Above `gradient_limit` each parameter is therefore moved by itself, the best
+/// move is taken and Ceres goes on from there. Where no such move gains gradient_limit^2 of the cost, what the best one
+/// does gain is the measure: `gradient` is then its square root, for a derivative at a kink is that of one side only.
 [[nodiscard]] PolishedLaw polish(const AxisData& data, const PolishBounds& bounds, const Dictionary& start,
                                  const PolishOptions& options = {});
 

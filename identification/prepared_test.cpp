@@ -134,13 +134,15 @@ void scale_clock(PreparedTest& test, bool counted) {
 // Longest run of cycles that follow each other at one amplitude and one period.
 CycleSpan longest_run(const PreparedTest& test, double period) {
   std::size_t first = 0, best_first = 0, best_last = 0;
+  bool was_regular = false;  // the cycle with a phase break starts no run
   for (std::size_t k = 0; k < test.cycles.size(); ++k) {
     const Cycle& cycle = test.cycles[k];
     const double turn = test.time[cycle.span.end] - test.time[cycle.span.begin];
     const bool follows = k > 0 && test.cycles[k - 1].span.end == cycle.span.begin;
     const bool alike = std::abs(cycle.amplitude - test.cycles[first].amplitude) <= k_same_amplitude * cycle.amplitude;
     const bool regular = std::abs(turn - period) <= k_same_period * period;
-    if (!follows || !alike || !regular) first = k;
+    if (!follows || !alike || !was_regular) first = k;
+    was_regular = regular;
     if (regular && k - first > best_last - best_first) best_first = first, best_last = k;
   }
   const std::size_t end = test.cycles[best_last].span.end;

@@ -9,6 +9,9 @@
 
 namespace grouser {
 
+/// Rounded for a text; a small negative number is 0 and not -0.
+[[nodiscard]] inline double whole(double value) { return std::round(value) + 0.0; }
+
 /// Quantities of an axis as people read them: mm, N or kN and N/m along it, degrees, N m and N m/rad about it.
 struct Shown {
   bool turns;

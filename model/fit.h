@@ -103,7 +103,9 @@ struct ResponsePoint {
 struct LawCandidate {
   int spring_intervals = 0, stops = 0, branches = 0;
   bool strain_dependent_yield = false;
-  double left_out_error = 0.0;  ///< rms over tests of the left-out test's error, fraction of its force range
+  /// Typical error on a left-out test, as a fraction of its force range: force and energy errors together, where 5 % of
+  /// energy counts as much as 3 % of force; a mean of logarithms over tests, so that no single test decides it.
+  double left_out_error = 0.0;
   bool chosen = false;
 };
 
