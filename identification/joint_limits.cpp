@@ -3,6 +3,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <vector>
 
 namespace grouser {
 namespace {
@@ -11,7 +13,8 @@ constexpr double k_better_than_cubic = 0.5;  // rms error of the pieces over tha
 constexpr double k_stiffness_ratio = 4.0;
 constexpr double k_corner = 0.1;        // of the range: a shorter piece in the middle is a corner that rubber rounds
 constexpr double k_least_ratio = 1e-3;  // soft over stiff: an infinity is no ratio
-constexpr int k_finer = 8;              // breaks are searched at the stations, then so much finer
+constexpr Eigen::Index k_fewest_stations = 8;
+constexpr int k_finer = 8;  // breaks are searched at the stations, then so much finer
 
 struct Curve {
   Eigen::VectorXd x, force;
@@ -64,39 +67,80 @@ double cubic_error(const Curve& curve) {
   return squared_error(columns, curve.force, c);
 }
 
+struct Limits {
+  std::optional<Clearance> clearance;
+  std::vector<HardStop> stops;
+};
+
 // A stop where two neighbouring pieces differ enough.
-void add_stop(AxisFit& fit, double at, double one, double other) {
+void add_stop(Limits& limits, double at, double one, double other) {
   const double soft = std::min(one, other), stiff = std::max(one, other);
   if (stiff <= k_stiffness_ratio * soft) return;
-  fit.hard_stops.push_back({at, stiff / std::max(soft, k_least_ratio * stiff)});
+  limits.stops.push_back({at, stiff / std::max(soft, k_least_ratio * stiff)});
+}
+
+// What the strongest two breaks of the curve say.
+Limits strongest(const Curve& curve) {
+  Limits limits;
+  const Eigen::Index n = curve.x.size();
+  if (n < k_fewest_stations) return limits;
+  const Pieces pieces = three_pieces(curve);
+  if (!(pieces.squared_error < k_better_than_cubic * k_better_than_cubic * cubic_error(curve))) return limits;
+
+  const double before = pieces.slope(0), inside = pieces.slope(1), after = pieces.slope(2);
+  const double range = curve.x(n - 1) - curve.x(0), width = pieces.second - pieces.first;
+  if (width < k_corner * range && (before < inside) == (inside < after)) {  // one corner, rounded
+    const double at = (before * pieces.first + inside * width - after * pieces.second) / (before - after);
+    add_stop(limits, at, before, after);
+  } else if (width < 0.5 * range && std::min(before, after) > k_stiffness_ratio * inside) {
+    limits.clearance = Clearance{pieces.first, pieces.second, std::max(inside, 0.0) / std::min(before, after)};
+  } else {
+    add_stop(limits, pieces.first, before, inside);
+    add_stop(limits, pieces.second, inside, after);
+  }
+  return limits;
+}
+
+// Stations strictly between low and high, which are one station's width away from a break.
+Curve between(const Curve& curve, double low, double high) {
+  std::vector<Eigen::Index> inside;
+  for (Eigen::Index i = 0; i < curve.x.size(); ++i) {
+    if (curve.x(i) > low && curve.x(i) < high) inside.push_back(i);
+  }
+  return {curve.x(inside), curve.force(inside)};
 }
 
 }  // namespace
 
 void find_joint_limits(AxisFit& fit) {
   const auto n = static_cast<Eigen::Index>(fit.backbone.size());
-  if (n < 8) return;
+  if (n < k_fewest_stations) return;
   Curve curve{Eigen::VectorXd(n), Eigen::VectorXd(n)};
   for (Eigen::Index i = 0; i < n; ++i) {
     curve.x(i) = fit.backbone[static_cast<std::size_t>(i)].x;
     curve.force(i) = fit.backbone[static_cast<std::size_t>(i)].value;
   }
-  const Pieces pieces = three_pieces(curve);
-  if (!(pieces.squared_error < k_better_than_cubic * k_better_than_cubic * cubic_error(curve))) return;
-
-  const double before = pieces.slope(0), inside = pieces.slope(1), after = pieces.slope(2);
-  const double range = curve.x(n - 1) - curve.x(0), width = pieces.second - pieces.first;
-  if (width < k_corner * range && (before < inside) == (inside < after)) {  // one corner, rounded
-    const double at = (before * pieces.first + inside * width - after * pieces.second) / (before - after);
-    add_stop(fit, at, before, after);
-    return;
+  Limits limits = strongest(curve);
+  const double spacing = curve.x(1) - curve.x(0), low = curve.x(0) - spacing, high = curve.x(n - 1) + spacing;
+  if (!limits.stops.empty()) {  // play lies between the stops
+    double from = low, to = high;
+    for (const HardStop& stop : limits.stops) {
+      if (stop.at < 0.5 * (low + high))
+        from = stop.at + spacing;
+      else
+        to = stop.at - spacing;
+    }
+    limits.clearance = strongest(between(curve, from, to)).clearance;
   }
-  if (width < 0.5 * range && std::min(before, after) > k_stiffness_ratio * inside) {
-    fit.clearance = Clearance{pieces.first, pieces.second, std::max(inside, 0.0) / std::min(before, after)};
-    return;
+  if (limits.clearance) {  // stops lie beyond the play, and are placed better without it
+    limits.stops.clear();
+    for (const Curve& outer : {between(curve, low, limits.clearance->low - spacing),
+                               between(curve, limits.clearance->high + spacing, high)}) {
+      for (const HardStop& stop : strongest(outer).stops) limits.stops.push_back(stop);
+    }
   }
-  add_stop(fit, pieces.first, before, inside);
-  add_stop(fit, pieces.second, inside, after);
+  fit.clearance = limits.clearance;
+  fit.hard_stops = std::move(limits.stops);
 }
 
 }  // namespace grouser

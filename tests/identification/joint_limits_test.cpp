@@ -52,6 +52,24 @@ TEST(JointLimits, ShowPlayWithItsWidth) {
               5e-3);  // a break 2 um off: 1 % of the stiff piece in 200 um of play
 }
 
+// Play of 6 degrees each way within stops at 52 (stronger: searched first) or at 45, with soft stops (play is
+// stronger).
+TEST(JointLimits, ShowPlayAndStopsOfOneJoint) {
+  for (const double stop : {52.0, 45.0}) {
+    const double stiff = stop > 50.0 ? 8e4 : 8e3;
+    AxisFit fit = with_backbone(-60 * k_degree, 60 * k_degree, [&](double x) {
+      return 10 * x + 1600 * beyond(x, 6 * k_degree) + stiff * beyond(x, stop * k_degree);
+    });
+    find_joint_limits(fit);
+    ASSERT_TRUE(fit.clearance.has_value()) << stop;
+    EXPECT_NEAR(fit.clearance->low, -6 * k_degree, 0.2 * k_degree);  // half an eighth of 3 degrees
+    EXPECT_NEAR(fit.clearance->high, 6 * k_degree, 0.2 * k_degree);
+    ASSERT_EQ(fit.hard_stops.size(), 2u) << stop;
+    EXPECT_NEAR(fit.hard_stops[0].at, -stop * k_degree, 0.4 * k_degree);
+    EXPECT_NEAR(fit.hard_stops[1].at, stop * k_degree, 0.4 * k_degree);
+  }
+}
+
 TEST(JointLimits, ShowAStopOnOneSide) {
   AxisFit fit = with_backbone(-60 * k_degree, 60 * k_degree,
                               [](double x) { return 1600 * x + 8e4 * std::max(x - 52 * k_degree, 0.0); });
