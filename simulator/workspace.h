@@ -44,8 +44,8 @@ inline constexpr std::array<const char*, k_num_contact_cases> k_contact_case_nam
 
 /// Energies and powers at one state. Losses of elements with memory are energies of the step that led here.
 struct EnergyTerms {
-  double kinetic = 0.0, gravity = 0.0, bushing = 0.0, suspension = 0.0, contact = 0.0;        ///< J
-  double input_power = 0.0;                                                                   ///< W, at the sprockets' joints
+  double kinetic = 0.0, gravity = 0.0, bushing = 0.0, suspension = 0.0, contact = 0.0;  ///< J
+  double input_power = 0.0;                                                             ///< W, at the sprockets' joints
   double bushing_power = 0.0, contact_power = 0.0, friction_power = 0.0, ground_power = 0.0;  ///< W lost, >= 0
   double suspension_power = 0.0, tensioner_power = 0.0, assembly_power = 0.0;                 ///< W lost, >= 0
   double bushing_step_loss = 0.0, ground_step_loss = 0.0;                                     ///< J lost in the step
