@@ -82,11 +82,11 @@ Panel response_overlay(const std::vector<Compared>& fits, Interval ResponsePoint
 Figure overlay_figure(const std::vector<Compared>& fits) {
   const Axis axis = fits.front().axis->axis;
   const AxisUnits units = units_of(axis);
-  const std::string x_label = "Displacement [" + units.displacement + "]";
+  const std::string x_label = displacement_label(axis, units);
   Figure figure{.name = std::string("compare_") + name_of(axis),
                 .title = "Axis " + axis_title(axis),
                 .caption = "Lines with their 95 % bands; where bands lie apart, the specimens differ."};
-  figure.panels.push_back(overlay(fits, &AxisFit::backbone, "Backbone", "Force [" + units.force + "]",
+  figure.panels.push_back(overlay(fits, &AxisFit::backbone, "Backbone", force_label(axis, units),
                                   units.displacement_scale, units.force_scale, x_label));
   figure.panels.push_back(overlay(fits, &AxisFit::tangent, "Tangent stiffness", "Stiffness [" + units.stiffness + "]",
                                   units.displacement_scale, units.stiffness_scale, x_label));

@@ -32,6 +32,8 @@ Figure multiples(const std::string& name, const std::string& title, const std::s
   return figure;
 }
 
+}  // namespace
+
 std::string force_label(Axis axis, const AxisUnits& units) {
   return (is_rotation(axis) ? "Torque [" : "Force [") + units.force + "]";
 }
@@ -39,8 +41,6 @@ std::string force_label(Axis axis, const AxisUnits& units) {
 std::string displacement_label(Axis axis, const AxisUnits& units) {
   return (is_rotation(axis) ? "Angle [" : "Displacement [") + units.displacement + "]";
 }
-
-}  // namespace
 
 AxisUnits units_of(Axis axis) {
   if (is_rotation(axis)) {

@@ -15,6 +15,9 @@ struct AxisUnits {
   double displacement_scale = 1.0, force_scale = 1.0, stiffness_scale = 1.0;
 };
 [[nodiscard]] AxisUnits units_of(Axis axis);
+/// "Force [kN]" or "Torque [kN m]", "Displacement [mm]" or "Angle [deg]".
+[[nodiscard]] std::string force_label(Axis axis, const AxisUnits& units);
+[[nodiscard]] std::string displacement_label(Axis axis, const AxisUnits& units);
 /// "x · along the track", "ry · hinge", ...
 [[nodiscard]] std::string axis_title(Axis axis);
 

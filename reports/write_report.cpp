@@ -1,7 +1,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <iterator>
 #include <map>
+#include <set>
 
 #include "model/errors.h"
 #include "reports/assets.h"
@@ -14,6 +17,8 @@ namespace {
 
 using nlohmann::json;
 
+constexpr std::ptrdiff_t k_longest_path = 64;  // parts; one folder given twice cannot be told apart
+
 /// Folders that hold a run, a fit or a virtual rig's replay; a folder that holds none is the user's mistake.
 struct Opened {
   std::vector<RunFolder> runs;
@@ -21,13 +26,32 @@ struct Opened {
   std::vector<RigFolder> rigs;
 };
 
-/// Results of one name are told apart by their folders, everywhere on the page.
+/// The last `depth` parts of a path.
+std::string path_end(const std::filesystem::path& path, std::ptrdiff_t depth) {
+  const auto parts = std::distance(path.begin(), path.end());
+  std::filesystem::path end;
+  for (auto part = std::next(path.begin(), std::max<std::ptrdiff_t>(parts - depth, 0)); part != path.end(); ++part)
+    end /= *part;
+  return end.string();
+}
+
+/// Results of one name are told apart by as much of their folders as it takes, everywhere on the page.
 template <typename Folder, typename Name>
 void name_apart(std::vector<Folder>& folders, const Name& name) {
-  std::map<std::string, int> count;
-  for (Folder& folder : folders) ++count[name(folder)];
-  for (Folder& folder : folders)
-    if (count[name(folder)] > 1) name(folder) += " · " + folder.path.filename().string();
+  std::map<std::string, std::vector<Folder*>> alike;
+  for (Folder& folder : folders) alike[name(folder)].push_back(&folder);
+  for (const auto& [shared, group] : alike) {
+    if (group.size() < 2) continue;
+    std::set<std::string> ends;
+    for (std::ptrdiff_t depth = 1; ends.size() < group.size() && depth <= k_longest_path; ++depth) {
+      ends.clear();
+      for (Folder* folder : group) {
+        const std::string end = path_end(std::filesystem::absolute(folder->path).lexically_normal(), depth);
+        ends.insert(end);
+        name(*folder) = shared + " · " + end;
+      }
+    }
+  }
 }
 
 Opened open_folders(const std::vector<std::filesystem::path>& folders) {
