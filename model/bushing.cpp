@@ -185,6 +185,19 @@ Json axis_json(const AxisLaw& law, const AxisUnits& units) {
 
 }  // namespace
 
+Bushing scaled(const Bushing& bushing, const AxisScale& scale) {
+  Bushing result = bushing;
+  for (std::size_t a = 0; a < scale.size(); ++a) {
+    AxisLaw& law = result.axes[a];
+    for (double& force : law.spring.force) force *= scale[a];
+    for (double& slope : law.spring.slope) slope *= scale[a];
+    for (FrictionStop& stop : law.stops) stop.stiffness *= scale[a];
+    for (MaxwellBranch& branch : law.branches) branch.stiffness *= scale[a];
+    law.viscous *= scale[a];
+  }
+  return result;
+}
+
 Bushing read_bushing(ObjectReader& reader) {
   Bushing bushing;
   bushing.name = reader.text("name");

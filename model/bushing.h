@@ -61,6 +61,13 @@ struct Bushing {
   [[nodiscard]] AxisLaw& axis(Axis a) { return axes[static_cast<std::size_t>(a)]; }
 };
 
+/// A factor on each axis.
+using AxisScale = std::array<double, k_num_axes>;
+/// The bushing whose every restoring force is `scale` times as large for the same motion: stiffness of spring, stops
+/// and branches and the viscous coefficient take the factor, yields, relaxation times and the valid range stay. By this
+/// the law is homogeneous of degree one: f(s k; x) = s f(k; x) for any path, and so are stored energy and loss.
+[[nodiscard]] Bushing scaled(const Bushing& bushing, const AxisScale& scale);
+
 /// Reads `grouser.bushing/1`; throws InputError with every finding. A Berg friction element is expanded into stops.
 [[nodiscard]] Bushing read_bushing(const std::filesystem::path& file);
 /// Writes whole or not at all.

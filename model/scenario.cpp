@@ -98,6 +98,22 @@ IntegratorOptions read_integrator(ObjectReader& r) {
   return o;
 }
 
+/// `bushing_scale`: one factor for all axes, or an object with some of them by name.
+AxisScale read_bushing_scale(ObjectReader& r) {
+  AxisScale scale;
+  scale.fill(1.0);
+  const Json* given = r.raw("bushing_scale");
+  if (given == nullptr) return scale;
+  if (!given->is_object()) {
+    scale.fill(r.number("bushing_scale", Range::positive));
+    return scale;
+  }
+  r.optional_object("bushing_scale", [&](ObjectReader& axes) {
+    for (std::size_t a = 0; a < scale.size(); ++a) scale[a] = axes.number_or(k_axis_names[a], 1.0, Range::positive);
+  });
+  return scale;
+}
+
 /// The scenario's own document; the files that it names come later.
 void read_own(ObjectReader& r, Scenario& scenario, TerrainEntry& terrain) {
   scenario.name = r.text("name");
@@ -112,6 +128,7 @@ void read_own(ObjectReader& r, Scenario& scenario, TerrainEntry& terrain) {
   });
   scenario.duration = r.quantity("duration", d::time, Range::positive);
   scenario.gravity = r.quantity_or("gravity", d::acceleration, scenario.gravity, Range::positive);
+  scenario.bushing_scale = read_bushing_scale(r);
   r.optional_object("output", [&](ObjectReader& o) { scenario.output = read_output(o); });
   r.optional_object("integrator", [&](ObjectReader& o) { scenario.integrator = read_integrator(o); });
   r.optional_object("assembly", [&](ObjectReader& a) {
@@ -136,6 +153,7 @@ class ScenarioReader {
     read_profile();
     check_probes();
     findings_.throw_if_any();
+    scale_bushings();
     if (scenario_.bushing.synthetic) scenario_.provenance.synthetic = scenario_.bushing.provenance.synthetic;
     scenario_.provenance.version = program_version();
     scenario_.provenance.options = overrides_.set;
@@ -257,6 +275,12 @@ class ScenarioReader {
       scenario_.side_bushing[i] =
           read_bushing_document(role, "no override", "", name, vehicle_path_, scenario_.documents.side_bushing[i]);
     }
+  }
+
+  void scale_bushings() {
+    scenario_.bushing = scaled(scenario_.bushing, scenario_.bushing_scale);
+    for (std::optional<Bushing>& own : scenario_.side_bushing)
+      if (own) own = scaled(*own, scenario_.bushing_scale);
   }
 
   void check_probes() {

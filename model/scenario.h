@@ -88,7 +88,8 @@ struct Scenario {
   OutputOptions output;
   IntegratorOptions integrator;
   AssemblyOptions assembly;
-  Provenance provenance;  ///< scenario, vehicle and bushing files
+  AxisScale bushing_scale{1.0, 1.0, 1.0, 1.0, 1.0, 1.0};  ///< in `bushing` and `side_bushing` already
+  Provenance provenance;                                  ///< scenario, vehicle and bushing files
   ScenarioDocuments documents;
   std::array<std::optional<Bushing>, k_num_sides> side_bushing;  ///< of a track that names its own
 

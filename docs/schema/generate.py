@@ -342,6 +342,7 @@ TERRAIN = record(
 SCENARIO = document(
     "scenario", "What a vehicle does", name=TEXT, vehicle=TEXT, bushing=TEXT, terrain_=TERRAIN,
     drive=record(left=DRIVE, right=DRIVE), duration=("time", POSITIVE), gravity_=("acceleration", POSITIVE),
+    bushing_scale_={"anyOf": [POSITIVE, record(**{axis + "_": POSITIVE for axis in AXES})]},
     output_=record(rate_=("frequency", POSITIVE), probe_rate_=("frequency", POSITIVE),
                    probes_=list_of(record(side=one_of("left", "right"), link=whole(0)))),
     integrator_=record(beta_={"type": "number", "minimum": 1, "maximum": 1.03703703704},

@@ -56,5 +56,47 @@ TEST(MaxwellBranch, DissipatesAtEveryRandomStep) {
   }
 }
 
+/// Force of a law along a path from rest, one step a point, spaced by h.
+std::vector<double> forces_along(const AxisLaw& law, const std::vector<double>& path, double h) {
+  std::vector<double> stops(law.stops.size()), branches(law.branches.size()), forces;
+  double before = 0.0;
+  for (const double x : path) {
+    const double dx = x - before;
+    double force = evaluate(law.spring, x).force + law.viscous * dx / h;
+    for (std::size_t s = 0; s < stops.size(); ++s) {
+      stops[s] = advance_stop(stops[s], dx, law.stops[s].yield * yield_scale(law.yield_growth, x));
+      force += law.stops[s].stiffness * stops[s];
+    }
+    for (std::size_t m = 0; m < branches.size(); ++m) {
+      const MaxwellStep step = maxwell_step(law.branches[m], h);
+      branches[m] = step.decay * branches[m] + step.gain * dx;
+      force += branches[m];
+    }
+    forces.push_back(force);
+    before = x;
+  }
+  return forces;
+}
+
+TEST(ScaledBushing, TakesScaledForcesOnAnyPath) {
+  Bushing bushing;
+  bushing.axis(Axis::z) = {{{-1e-3, 0.0, 2e-3}, {-9e4, 0.0, 3e5}, {8e7, 1e8, 2e8}},
+                           {{1e7, 5e-5}, {4e6, 3e-4}},
+                           2e4,
+                           {{1e7, 0.02}, {3e6, 1.0}},
+                           120.0,
+                           {}};
+  std::mt19937 random(20261122);
+  std::uniform_real_distribution<double> uniform(-1.5e-3, 2.5e-3);
+  std::vector<double> path(1000);
+  for (double& x : path) x = uniform(random);
+  const AxisScale scale{1.0, 1.0, 0.3, 1.0, 1.0, 1.0};
+  const std::vector<double> of = forces_along(bushing.axis(Axis::z), path, 1e-3);
+  const std::vector<double> of_scaled = forces_along(scaled(bushing, scale).axis(Axis::z), path, 1e-3);
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    EXPECT_NEAR(of_scaled[i], 0.3 * of[i], 1e-14 * 3e5) << i;  // round-off of sums of forces up to 3e5 N
+  }
+}
+
 }  // namespace
 }  // namespace grouser

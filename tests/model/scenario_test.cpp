@@ -92,15 +92,36 @@ TEST(Scenario, StartsNoRunWithAFileThatTheUserNamedInVain) {
   EXPECT_THROW(static_cast<void>(read_scenario(test_data("scenarios/run_a.json"), {"absent.json", "", {}})), FileError);
 }
 
+TEST(BushingScale, StandsForAllAxesOrForSome) {
+  const double x = run_a().bushing.axis(Axis::x).spring.force.back(),
+               ry = run_a().bushing.axis(Axis::ry).spring.force.back();
+  const Scenario all = run_a({{"bushing_scale", "0.25"}});
+  EXPECT_EQ(all.bushing.axis(Axis::x).spring.force.back(), 0.25 * x);
+  EXPECT_EQ(all.bushing.axis(Axis::ry).spring.force.back(), 0.25 * ry);
+  EXPECT_EQ(all.provenance.options.at("bushing_scale"), "0.25");
+  const Scenario hinge = run_a({{"bushing_scale.ry", "4"}});
+  EXPECT_EQ(hinge.bushing.axis(Axis::x).spring.force.back(), x);
+  EXPECT_EQ(hinge.bushing.axis(Axis::ry).spring.force.back(), 4.0 * ry);
+}
+
+TEST(BushingScale, ReachesTheBushingOfOneTrackToo) {
+  const std::string own = test_data("broken/good_bushing.json").string();
+  const Scenario scenario = run_a({{"vehicle.right.track.bushing", own}, {"bushing_scale", "2"}});
+  EXPECT_EQ(scenario.side_bushing[1]->axis(Axis::z).spring.slope, scenario.bushing.axis(Axis::z).spring.slope);
+}
+
 TEST(RunInputs, ReadAgainGiveTheSameScenario) {
   const TemporaryFolder folder;
-  const Scenario scenario = run_a({{"vehicle.left.track.pre_tension_kN", "60"}, {"duration_s", "3"}});
+  const Scenario scenario =
+      run_a({{"vehicle.left.track.pre_tension_kN", "60"}, {"duration_s", "3"}, {"bushing_scale", "2"}});
   write_inputs(scenario, folder.path());
   const Scenario again = read_scenario(folder.path() / "inputs/scenario.json");
   EXPECT_EQ(again.duration, 3.0);
   EXPECT_EQ(again.vehicle.side(Side::left).track.pre_tension, 60e3);
   EXPECT_EQ(again.documents.vehicle, scenario.documents.vehicle);
   EXPECT_EQ(again.documents.bushing, scenario.documents.bushing);
+  // Once, not once for every reading.
+  EXPECT_EQ(again.bushing.axis(Axis::x).spring.force, scenario.bushing.axis(Axis::x).spring.force);
 }
 
 TEST(RunInputs, KeepABushingOfOneTrack) {

@@ -60,6 +60,11 @@ const std::vector<Mutation>& mutations() {
       {"scenario", "no_duration", [](Json& j) { j.erase("duration_s"); }},
       {"scenario", "duration_in_metres", [](Json& j) { rename(j, "duration_s", "duration_m"); }},
       {"scenario", "beta_too_large", [](Json& j) { j["integrator"]["beta"] = 1.1; }},
+      {"scenario", "bushing_of_no_stiffness", [](Json& j) { j["bushing_scale"] = 0; }},
+      {"scenario", "bushing_scale_of_an_unknown_axis",
+       [](Json& j) {
+         j["bushing_scale"] = {{"radial", 2}};
+       }},
       {"scenario", "probe_of_the_middle", [](Json& j) { j["output"]["probes"][0]["side"] = "middle"; }},
       {"scenario", "one_sided_drive", [](Json& j) { j["drive"].erase("left"); }},
       {"scenario", "slope_in_percent", [](Json& j) { j["terrain"]["slope_percent"] = 30; }},
@@ -155,6 +160,7 @@ std::map<std::string, Json> valid_documents(const TemporaryFolder& folder) {
   documents["scenario"] = parsed(test_data("scenarios/run_a.json"));
   documents["scenario"]["vehicle"] = test_data("vehicles/reference.json").string();
   documents["scenario"]["bushing"] = test_data("broken/good_bushing.json").string();
+  documents["scenario"]["bushing_scale"] = {{"ry", 0.5}};
   folder.write("loop.csv", "time_s,displacement_mm,force_kN,temperature_degC\n0,0,0,23\n1,1,1,24\n");
   documents["rig"] = Json::parse(R"({"format": "grouser.rig/1", "specimen": {"name": "s", "bushings_in_series": 2},
       "rig_compliance_mm_per_kN": 0.001, "rig_angular_compliance_deg_per_N_m": 1e-6, "moving_mass_kg": 4,
