@@ -28,7 +28,7 @@ std::string with_replaced(std::string text, std::string_view from, std::string_v
 /// Suffix of a name for a unit as people write it ("N/mm" -> "N_per_mm", "°C" -> "degC"); empty when it is unknown.
 std::string unit_suffix(std::string_view written) {
   // Degree and micro signs also in Latin-1, as older loggers write them.
-  static constexpr std::array<std::pair<std::string_view, std::string_view>, 13> spellings{{
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 14> spellings{{
       {"\xC2\xB0"
        "C",
        "degC"},
@@ -48,6 +48,7 @@ std::string unit_suffix(std::string_view written) {
       {"*", "_"},
       {" ", "_"},
       {"Nm", "N_m"},
+      {"sec", "s"},
   }};
   std::string suffix(trimmed(written));
   if (parse_unit(suffix)) return suffix;
@@ -87,21 +88,32 @@ std::vector<std::string> names_in(const std::string& header, char divider) {
   return names;
 }
 
-/// Suffixes that a row of units gives to the columns; empty when the row is none: every field is a unit, or stands in
-/// brackets, or says that there is none.
-std::vector<std::string> units_in(const std::string& row, char divider, std::size_t columns) {
+/// What a row of units says of one column.
+struct ColumnUnit {
+  std::string suffix;   ///< empty: it has none that is known
+  std::string unknown;  ///< as written, where nobody knows it
+};
+
+/// Units that a row gives to the columns; empty when the row is none: no field is a number, and of those that say
+/// something outside brackets at least half are known units.
+std::vector<ColumnUnit> units_in(const std::string& row, char divider, std::size_t columns) {
   std::vector<std::string> fields = fields_of(row, divider);
   if (fields.size() == columns + 1 && fields.back().empty()) fields.pop_back();
   if (fields.size() != columns) return {};
-  bool any = false;
-  for (std::string& field : fields) {
+  std::vector<ColumnUnit> units;
+  std::size_t known = 0, unknown = 0;
+  for (const std::string& field : fields) {
+    if (number_in(field)) return {};
     const auto bracketed = in_brackets(field);
-    const std::string suffix = unit_suffix(bracketed.value_or(field));
-    if (suffix.empty() && !bracketed && !field.empty() && field != "-") return {};
-    any = any || !suffix.empty();
-    field = suffix;
+    ColumnUnit& unit = units.emplace_back(ColumnUnit{unit_suffix(bracketed.value_or(field)), {}});
+    if (!unit.suffix.empty()) {
+      ++known;
+    } else if (!field.empty() && field != "-") {
+      unit.unknown = bracketed.value_or(field);
+      unknown += bracketed ? 0 : 1;
+    }
   }
-  return any ? fields : std::vector<std::string>{};
+  return known > 0 && known >= unknown ? units : std::vector<ColumnUnit>{};
 }
 
 bool has_unit(const std::string& name) { return split_name_and_unit(name).has_value(); }
@@ -135,15 +147,17 @@ class HeadFinder {
     head.first = i + 1;
     if (head.first == lines_.size()) return head;
     const CsvHeadLine& below = lines_[head.first];
-    const std::vector<std::string> units = units_in(below.text, head.divider, head.names.size());
+    const std::vector<ColumnUnit> units = units_in(below.text, head.divider, head.names.size());
     if (units.empty()) return head;
     ++head.first;
     for (std::size_t k = 0; k < units.size(); ++k) {
       const auto split = split_name_and_unit(head.names[k]);
-      if (!split && !units[k].empty()) head.names[k] += "_" + units[k];
-      if (split && !units[k].empty() && units[k] != split->suffix && findings != nullptr) {
+      const auto& [suffix, unknown] = units[k];
+      if (!split && !suffix.empty()) head.names[k] += "_" + suffix;
+      if (!split && !unknown.empty()) head.names[k] += " [" + unknown + "]";  // as loggers write it in one row
+      if (split && !suffix.empty() && suffix != split->suffix && findings != nullptr) {
         findings->add("row " + std::to_string(below.row) + ", column " + head.names[k], "the unit of the column's name",
-                      units[k]);
+                      suffix);
       }
     }
     return head;

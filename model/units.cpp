@@ -30,6 +30,7 @@ constexpr std::array k_atoms{
     Atom{"mrad", scaled(d::angle, 1.0, 1e3)},
     Atom{"deg", scaled(d::angle, k_pi, 180.0)},
     Atom{"N", scaled(d::force, 1.0)},
+    Atom{"daN", scaled(d::force, 10.0)},
     Atom{"kN", scaled(d::force, 1e3)},
     Atom{"MN", scaled(d::force, 1e6)},
     Atom{"kgf", scaled(d::force, k_standard_gravity)},

@@ -8,7 +8,7 @@ import json
 import pathlib
 
 LENGTH, ANGLE, TIME, MASS = "(m|mm|um|cm|km|in|ft)", "(rad|mrad|deg)", "(s|ms|us|min|h)", "(kg|g|t|lb)"
-FORCE, VOLT = "(N|kN|MN|kgf|tonf|lbf)", "(V|mV)"
+FORCE, VOLT = "(N|daN|kN|MN|kgf|tonf|lbf)", "(V|mV)"
 TORQUE = f"({FORCE}_{LENGTH}|J|kJ|MJ)"
 AREA, VOLUME = "(m|mm|cm)2", "((m|mm|cm)3|l)"
 PRESSURE = f"(Pa|kPa|MPa|GPa|bar|{FORCE}_per_{AREA})"

@@ -64,7 +64,10 @@ TEST(Csv, KnowsUnitsAsPeopleWriteThem) {
             (std::vector<std::string>{"a_deg", "b_N_m", "c_degC", "d_mV_per_V", "e_um"}));
   EXPECT_EQ(names("a [\xB0],b [N\xC2\xB7m],c [-],n\n1,2,3,4\n"),  // Latin-1; [-] is no unit
             (std::vector<std::string>{"a_deg", "b_N_m", "c [-]", "n"}));
-  EXPECT_EQ(names("n,x,q\n-,mm,[counts]\n1,2,3\n"), (std::vector<std::string>{"n", "x_mm", "q"}));
+  EXPECT_EQ(names("n,x,q\n-,mm,[counts]\n1,2,3\n"), (std::vector<std::string>{"n", "x_mm", "q [counts]"}));
+  // A unit that nobody knows keeps its row a row of units, and stays with the name for messages to show.
+  EXPECT_EQ(names("t,x,load\nsec,mm,pond\n1,2,3\n"), (std::vector<std::string>{"t_s", "x_mm", "load [pond]"}));
+  EXPECT_EQ(names("t,load\nms,daN\n1,2\n"), (std::vector<std::string>{"t_ms", "load_daN"}));
 }
 
 TEST(Csv, PassesOverWhatALoggerWritesAboveTheNames) {
