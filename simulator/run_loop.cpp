@@ -1,0 +1,190 @@
+#include "simulator/run_loop.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "model/errors.h"
+
+namespace grouser {
+namespace {
+
+constexpr double k_largest_residual = 1e-3;
+constexpr long k_steps_between_reports = 500;
+constexpr long k_steps_between_tooth_counts = 20;  // far less than a tooth at any speed a step can follow
+constexpr double k_flush_period = 0.25;            // s simulated; what a killed run loses at most
+constexpr double k_save_period = 1.0;              // s simulated; what --resume computes again at most
+
+}  // namespace
+
+RunLoop::RunLoop(const System& system, const RunStart& start, const std::filesystem::path& folder)
+    : system_(system),
+      start_(start),
+      folder_(folder),
+      identity_(identity_of(system.scenario)),
+      watch_(start.wall_time),
+      stepper_(system, start.assembled.state, start.assembled.knobs),
+      book_(open_book(stepper_.work().energy)),
+      previous_book_(book_),
+      recorder_(system, folder / "run.h5", start.kept_rows),
+      counters_{ToothCounter(system, start.assembled.state, Side::left),
+                ToothCounter(system, start.assembled.state, Side::right)} {}
+
+void RunLoop::begin() { recorder_.begin(snapshot()); }
+
+void RunLoop::take(CheckpointReader& checkpoint) {
+  checkpoint(*this);
+  CheckpointWriter stored, found;
+  Acceleration archived = stepper_.acceleration(), evaluated = stepper_.reevaluate();
+  stored(archived);
+  found(evaluated);
+  if (stored.payload() == found.payload()) return;
+  throw InputError(InputFinding{(folder_ / "checkpoint").string(), "", "accelerations that this program finds again",
+                                "others: it was written by another build or machine",
+                                "start the run without --resume"});
+}
+
+/// Times that a step must end on: corners of the drive tables, the end.
+std::vector<double> RunLoop::corners() const {
+  const double duration = system_.scenario.duration;
+  std::vector<double> times{duration};
+  for (const DriveTable& table : system_.scenario.drive) {
+    for (const double t : table.time) {
+      if (t > 0.0 && t < duration) times.push_back(t);
+    }
+  }
+  std::sort(times.begin(), times.end());
+  return times;
+}
+
+RunStatus RunLoop::go(const Progress& progress, RunSummary& summary) {
+  for (const double corner : corners()) {
+    while (stepper_.state().time < corner) {
+      if (const RunStatus status = advance_to(corner, summary); status != RunStatus::completed) return status;
+      if (steps_.accepted % k_steps_between_reports != 0) continue;
+      if (!report(progress, summary)) {
+        save();
+        return RunStatus::stopped;
+      }
+      if (stepper_.state().time >= saved_ + k_save_period) save();
+      if (stepper_.state().time >= flushed_ + k_flush_period) flush();
+    }
+  }
+  if (book_.residual_fraction() >= k_largest_residual) return chatter(summary);
+  summary.message = fmt::format("{:.3f} s simulated", stepper_.state().time) + remarks(system_, recorder_.series());
+  return RunStatus::completed;
+}
+
+RunStatus RunLoop::advance_to(double until, RunSummary& summary) {
+  const StepStatus status = stepper_.step(until);
+  if (status != StepStatus::ok) return numerical_failure(status, summary);
+  previous_book_ = book_;
+  book_step(book_, stepper_.work().energy, stepper_.last_step());
+  ++steps_.accepted;
+  steps_.min = std::min(steps_.min, stepper_.last_step());
+  steps_.max = std::max(steps_.max, stepper_.last_step());
+  recorder_.record(
+      {stepper_.previous_state(), stepper_.previous_work(), stepper_.previous_acceleration(), previous_book_},
+      snapshot(), stepper_);
+  if (steps_.accepted % k_steps_between_tooth_counts == 0) {
+    for (ToothCounter& counter : counters_) counter.update(system_, stepper_.state());
+  }
+  return watch_track(summary);
+}
+
+RunStatus RunLoop::watch_track(RunSummary& summary) {
+  for (const Side side : {Side::left, Side::right}) {
+    const double offset = stepper_.work().lateral_guide_offset[static_cast<std::size_t>(index_of(side))];
+    if (offset < k_thrown_offset) continue;
+    summary.message = fmt::format(
+        "{} track thrown at {:.4f} s: a link stands {:.0f} mm beside the wheel it meets; the guide no longer holds "
+        "it (pre-tension, guide geometry, steering speed)",
+        name_of(side), stepper_.state().time, 1e3 * offset);
+    return RunStatus::failed;
+  }
+  return RunStatus::completed;
+}
+
+RunStatus RunLoop::numerical_failure(StepStatus status, RunSummary& summary) const {
+  const std::string body = link_name(system_, stepper_.worst_link());
+  const char* quantity = "the acceleration is no longer finite: the run diverged";
+  if (status == StepStatus::turned_too_far)
+    quantity = "it turned by more than half a radian in one step: the run diverged";
+  if (status == StepStatus::underflow)
+    quantity = "its local error asks for a step below integrator.min_step: step underflow";
+  summary.message = fmt::format("at {:.6f} s, {}: {}", stepper_.state().time, body, quantity);
+  return RunStatus::failed;
+}
+
+RunStatus RunLoop::chatter(RunSummary& summary) const {
+  summary.message = fmt::format(
+      "energy residual {:.2e} of the integral of |sprocket power|, more than {:.0e}: hidden chatter; reduce "
+      "integrator.stability_fraction or max_step, or soften the stiffest contact",
+      book_.residual_fraction(), k_largest_residual);
+  return RunStatus::failed;
+}
+
+bool RunLoop::report(const Progress& progress, RunSummary& summary) const {
+  if (!progress) return true;
+  const double t = stepper_.state().time, duration = system_.scenario.duration;
+  if (progress({t / duration, fmt::format("{:.2f} of {:g} s", t, duration)})) return true;
+  summary.message = fmt::format("interrupted at {:.4f} s of {:g} s", t, duration);
+  return false;
+}
+
+void RunLoop::flush() {
+  flushed_ = stepper_.state().time;
+  recorder_.flush();
+}
+
+/// Writes the checkpoint, its rows before it.
+void RunLoop::save() {
+  saved_ = flushed_ = stepper_.state().time;
+  RunStart now{start_.assembled, start_.assembly_wall_time, watch_.seconds(), recorder_.sync()};
+  CheckpointWriter parts;
+  parts(now);
+  parts(*this);
+  write_checkpoint(folder_, identity_, parts);
+}
+
+void RunLoop::finish(RunSummary& summary) {
+  summary.wall_time = watch_.seconds();
+  summary.assembly_wall_time = start_.assembly_wall_time;
+  recorder_.close();
+  summary.simulated_time = stepper_.state().time;
+  steps_.mean = steps_.accepted > 0 ? stepper_.state().time / static_cast<double>(steps_.accepted) : 0.0;
+  summary.steps.accepted = steps_.accepted;
+  summary.steps.rejected = stepper_.rejected();
+  summary.steps.force_evaluations = stepper_.evaluations();
+  summary.steps.min = steps_.accepted > 0 ? steps_.min : 0.0;
+  summary.steps.mean = steps_.mean;
+  summary.steps.max = steps_.max;
+  summary.energy.input = book_.input;
+  summary.energy.dissipated = book_.dissipated();
+  summary.energy.residual = book_.residual();
+  summary.energy.residual_fraction = book_.residual_fraction();
+  RunSeries series = recorder_.series();
+  for (std::size_t s = 0; s < k_num_sides; ++s) series.skipped_teeth[s] = counters_[s].skipped();
+  add_results(system_, start_.assembled, series, book_, summary);
+  summary.results.push_back({"mean_step_s", steps_.mean, "s", "mean accepted step"});
+}
+
+std::string remarks(const System& system, const RunSeries& series) {
+  std::string beyond;
+  for (int a = 0; a < k_num_axes; ++a) {
+    const auto axis = static_cast<std::size_t>(a);
+    const auto& valid = system.scenario.bushing.axes[axis].valid;
+    if (!valid || valid->amplitude <= 0.0 || series.largest_deflection[axis] <= valid->amplitude) continue;
+    beyond += fmt::format("{} {} {:.2f} times", beyond.empty() ? "" : ",", k_axis_names[axis],
+                          series.largest_deflection[axis] / valid->amplitude);
+  }
+  std::string all;
+  if (!beyond.empty())
+    all = "; bushings deflected beyond what was identified (there the law is a straight line):" + beyond;
+  const bool in_series = std::any_of(system.tracks.begin(), system.tracks.end(),
+                                     [](const CompiledTrack& track) { return track.bushings_in_series > 1; });
+  if (in_series) all += "; double pin taken as two bushings in series, connector_length not used";
+  return all;
+}
+
+}  // namespace grouser

@@ -1,0 +1,49 @@
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "simulator/results.h"
+#include "simulator/sampler.h"
+
+namespace grouser {
+
+/// Writes a run's channels to run.h5 and keeps the series that its results are made of.
+class RunRecorder {
+ public:
+  /// kept_rows: rows of run.h5 to keep, by table; empty for a run from its beginning.
+  RunRecorder(const System& system, const std::filesystem::path& file, const std::vector<std::size_t>& kept_rows);
+
+  /// The state of time 0.
+  void begin(const Snapshot& now);
+  /// One accepted step: the samples due in it, its own row, and what the results need of every step.
+  void record(const Snapshot& previous, const Snapshot& now, const Stepper& stepper);
+
+  void flush() { writer_.flush(); }
+  /// Rows of every table that are safe on disk from now on.
+  [[nodiscard]] std::vector<std::size_t> sync() { return writer_.sync(); }
+  void close() { writer_.close(); }
+
+  [[nodiscard]] const RunSeries& series() const { return series_; }
+
+  /// Its memory, for a checkpoint.
+  template <typename Archive>
+  void archive(Archive& a) {
+    a(samples_, probes_, series_);
+  }
+
+ private:
+  void sample(const Snapshot& previous, const Snapshot& now);
+  void sum_steps(const Stepper& stepper);
+  void watch_bushings(const Workspace& work);
+
+  const System& system_;
+  ChannelRows rows_;
+  RunWriter writer_;
+  Sampler samples_, probes_;
+  RunSeries series_;
+  std::optional<Interval> steady_;
+  double largest_rate_ = 0.0;  // rad/s, asked of any sprocket
+};
+
+}  // namespace grouser
