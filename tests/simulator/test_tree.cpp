@@ -2,102 +2,42 @@
 
 #include <cmath>
 
-#include "tests/support/trees.h"
+#include "tests/support/tree_references.h"
 
 namespace grouser::test {
 namespace {
 
 const Vector3d k_gravity_y(0.0, -9.81, 0.0), k_gravity_z(0.0, 0.0, -9.81);
 
-Eigen::VectorXd vector_of(std::initializer_list<double> values) {
-  Eigen::VectorXd v(static_cast<Eigen::Index>(values.size()));
-  Eigen::Index i = 0;
-  for (const double value : values) v[i++] = value;
-  return v;
-}
-
-Eigen::VectorXd no_torque(const TreeState& state) { return Eigen::VectorXd::Zero(state.angle.size()); }
-
 void expect_near(const Eigen::VectorXd& a, const Eigen::VectorXd& b, double tolerance) {
   ASSERT_EQ(a.size(), b.size());
   EXPECT_LT((a - b).cwiseAbs().maxCoeff(), tolerance) << a.transpose() << "\nagainst\n" << b.transpose();
 }
 
-/// RBDL's chains of unit bodies along x, hinged at z, from rest in gravity along -y.
-Tree unit_chain(int length) {
-  Tree tree;
-  tree.base_fixed = true;
-  for (int i = 0; i < length; ++i) {
-    TreeBody body;
-    body.parent = i - 1;
-    body.axis = Vector3d::UnitZ();
-    body.origin = (i == 0 ? 0.0 : 1.0) * Vector3d::UnitX();
-    body.mass = 1.0;
-    body.center_of_mass = Vector3d::UnitX();
-    body.inertia = Matrix3d::Identity();
-    tree.bodies.push_back(body);
-  }
-  return tree;
-}
-
 TEST(Tree, FallsFromRestLikeThePublishedChains) {
-  // RBDL, DynamicsTests.cc: angular accelerations of one, two and three bodies; rational numbers, hence round-off.
-  const auto fall = [](const Tree& tree) {
-    const TreeState rest = make_state(tree);
-    return accelerate(tree, rest, k_gravity_y, no_torque(rest)).acceleration.joint;
-  };
-  expect_near(fall(unit_chain(1)), vector_of({-4.905}), 1e-13);
-  expect_near(fall(unit_chain(2)), vector_of({-5.886, 3.924}), 1e-13);
-  expect_near(fall(unit_chain(3)), vector_of({-6.03692307692308, 3.77307692307692, 1.50923076923077}), 1e-13);
-  Tree across = unit_chain(2);
-  across.bodies[1].axis = Vector3d::UnitY();
-  across.bodies[1].center_of_mass = Vector3d::UnitY();
-  expect_near(fall(across), vector_of({-3.924, 0.0}), 1e-13);
-  expect_near(fall(five_body_tree()),
-              vector_of({-1.6031906614786, -0.534396887159533, 4.1034046692607, 0.267198443579767, 5.30579766536965}),
-              1e-12);
-}
-
-struct GenericState {
-  Tree tree = five_body_tree();
-  TreeState state = make_state(tree);
-  Eigen::VectorXd torque = vector_of({0.5, -0.3, 0.2, 0.1, -0.4});
-  Eigen::VectorXd acceleration =
-      vector_of({-0.896520835556976, -2.53969241941477, 1.76448968591703, -0.865767038176765, 2.42569523672112});
-  GenericState() {
-    state.angle = vector_of({0.3, -0.4, 0.5, 0.6, -0.7});
-    state.rate = vector_of({1.1, -1.2, 1.3, -0.1, 0.2});
+  for (const FallReference& fall : published_falls()) {
+    const TreeState rest = make_state(fall.tree);
+    SCOPED_TRACE(fall.name);
+    expect_near(accelerate(fall.tree, rest, k_gravity_y, no_torque(rest)).acceleration.joint, fall.acceleration, 1e-12);
   }
-};
+}
 
 TEST(Tree, AcceleratesLikeAnIndependentSolverAtAGenericState) {
-  // Fourteen digits from a dense mass matrix (numpy).
   const GenericState g;
-  const TreeAnswer answer = accelerate(g.tree, g.state, k_gravity_y, g.torque);
+  const TreeAnswer answer = accelerate(g.tree, g.state, g.gravity, g.torque);
   expect_near(answer.acceleration.joint, g.acceleration, 1e-12);
-  EXPECT_NEAR(answer.work.kinetic_energy, 9.80814271677356, 1e-12);
-  EXPECT_NEAR(gravity_energy(g.tree, g.state, k_gravity_y, answer.work), 31.0333913374693, 1e-11);
+  EXPECT_NEAR(answer.work.kinetic_energy, g.kinetic, 1e-12);
+  EXPECT_NEAR(gravity_energy(g.tree, g.state, g.gravity, answer.work), g.potential, 1e-11);
 }
 
 TEST(Tree, PrescribedJointsNeedTheTorqueOfInverseDynamics) {
-  GenericState g;
-  for (TreeBody& body : g.tree.bodies) body.prescribed = true;
-  TreeWorkspace work = make_workspace(g.tree);
-  TreeAcceleration acceleration;
-  acceleration.joint = Eigen::VectorXd::Zero(5);
-  place_tree(g.tree, g.state, k_gravity_y, work);
-  const std::vector<double> wanted(g.acceleration.begin(), g.acceleration.end());
-  tree_accelerations(g.tree, g.state, wanted, work, acceleration);
-  expect_near(work.joint_torque, g.torque, 1e-12);
+  const GenericState g;
+  expect_near(inverse_dynamics(g.tree, g.state, g.gravity, g.acceleration), g.torque, 1e-12);
   // At rest and without gravity a unit acceleration of the root gives the first column of the mass matrix.
   TreeState still = g.state;
   still.rate.setZero();
-  place_tree(g.tree, still, Vector3d::Zero(), work);
-  tree_accelerations(g.tree, still, std::vector<double>{1.0, 0.0, 0.0, 0.0, 0.0}, work, acceleration);
-  expect_near(
-      work.joint_torque,
-      vector_of({9.97973659158745, -0.420784015928471, -0.285442975776752, -0.0910376309556479, -0.564987518984467}),
-      1e-12);
+  expect_near(inverse_dynamics(g.tree, still, Vector3d::Zero(), Eigen::VectorXd::Unit(5, 0)), g.mass_matrix_column,
+              1e-12);
 }
 
 TEST(Tree, AJointPrescribedToItsFreeMotionChangesNothing) {

@@ -4,9 +4,9 @@
 #include <fstream>
 #include <limits>
 
-#include "tests/support/trees.h"
+#include "tests/support/tree_references.h"
 
-/// One hinged body, 2 m long, against curves of a commercial solver (../shared/references/rigid_body/adams).
+/// One hinged body, 2 m long, against curves of a commercial solver.
 namespace grouser::test {
 namespace {
 
@@ -27,60 +27,60 @@ Curve read_curve(const std::filesystem::path& file) {
   return curve;
 }
 
-struct Case {
-  const char* name;
-  TorqueLaw torque;
-};
-void PrintTo(const Case& shown, std::ostream* out) { *out << shown.name; }
-
-class AdamsPendulum : public ::testing::TestWithParam<Case> {};
-
-TEST_P(AdamsPendulum, MovesAndPullsAtItsHingeAsPublished) {
-  const std::string start = std::string(GROUSER_SOURCE_DIR "/../shared/references/rigid_body/adams/") + GetParam().name;
-  if (!std::filesystem::exists(start + "_ADAMS_Pos.txt"))
-    GTEST_SKIP() << "the published curves are not here: " << start;
-  const Curve position = read_curve(start + "_ADAMS_Pos.txt"), force = read_curve(start + "_ADAMS_Rforce.txt");
-  const Curve torque = read_curve(start + "_ADAMS_Rtorque.txt");
-  ASSERT_GT(position.time.size(), 400u);
-  Tree tree;
-  tree.base_fixed = true;
-  TreeBody body;
-  body.axis = Vector3d::UnitY();
-  body.mass = 1.0;
-  body.center_of_mass = Vector3d(2.0, 0.0, 0.0);
-  body.inertia = Vector3d(0.04, 0.1, 0.1).asDiagonal();
-  tree.bodies = {body};
-  const Vector3d gravity(0.0, 0.0, -9.80665);
-  TreeState state = make_state(tree);
-  double worst_place = 0.0, worst_force = 0.0, worst_torque = 0.0;
-  for (std::size_t i = 0; i + 1 < position.time.size(); ++i) {
-    const TreeAnswer answer = accelerate(tree, state, gravity, GetParam().torque(state));
-    const Vector6d reaction = joint_reaction(answer.work, 0);  // on the body; the curves show it on the ground
-    worst_place = std::max(worst_place, (answer.work.center_W[0] - position.value[i]).norm());
-    worst_force = std::max(worst_force, (reaction.tail<3>() + force.value[i]).norm());
-    worst_torque = std::max(worst_torque, (reaction.head<3>() + torque.value[i]).norm());
-    state = runge_kutta(tree, state, gravity, GetParam().torque, position.time[i + 1] - position.time[i], 10);
+/// Largest distances from a curve.
+struct Distance {
+  double center = 0.0, force = 0.0, moment = 0.0;
+  void see(const HingedRod::At& found, const HingedRod::At& known) {
+    center = std::max(center, (found.center - known.center).norm());
+    force = std::max(force, (found.force - known.force).norm());
+    moment = std::max(moment, (found.moment - known.moment).norm());
   }
-  // What the curves were integrated to: 5e-6 m in place, 1e-4 of forces up to 30 N.
-  EXPECT_LT(worst_place, 1e-5);
-  EXPECT_LT(worst_force, 3e-3);
-  EXPECT_LT(worst_torque, 5e-4);
+  // The curves' own error: 8e-6 m in place and 1.2e-3 N of forces up to 30 N against an integration to 1e-12.
+  void expect_small(const HingedRod& rod) const {
+    EXPECT_LT(center, 1e-5);
+    EXPECT_LT(force, 3e-3);
+    EXPECT_LT(moment, rod.moment_tolerance);
+  }
+};
+
+class AdamsRod : public ::testing::TestWithParam<HingedRod> {};
+
+TEST_P(AdamsRod, MovesAndPullsAtItsHingeAsPublished) {
+  const HingedRod& rod = GetParam();
+  TreeState state = rod.start;
+  double time = 0.0;
+  Distance distance;
+  for (const HingedRod::At& known : rod.known) {
+    const double ahead = known.time - time;
+    state = runge_kutta(rod.tree, state, rod.gravity, rod.torque, ahead, static_cast<int>(ahead * 1000.0));
+    time = known.time;
+    distance.see(observe(rod, state, time), known);
+  }
+  distance.expect_small(rod);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Published, AdamsPendulum,
-    ::testing::Values(
-        Case{"revolute_joint/Revolute_Case01", [](const TreeState& s) -> Eigen::VectorXd { return 0.0 * s.angle; }},
-        Case{"rotspring_force/RotSpring_Case01",
-             [](const TreeState& s) -> Eigen::VectorXd { return -200.0 * s.angle - 10.0 * s.rate; }},
-        Case{"rotspring_force/RotSpring_Case02",
-             [](const TreeState& s) -> Eigen::VectorXd {
-               return -(s.angle.array() * (50.0 + 10.0 * s.angle.array().abs()) + 10.0 * s.rate.array()).matrix();
-             }}),
-    [](const ::testing::TestParamInfo<Case>& of) {
-      const std::string name = of.param.name;
-      return name.substr(name.find('/') + 1);
-    });
+TEST_P(AdamsRod, FollowsTheWholeCurves) {
+  const HingedRod& rod = GetParam();
+  const std::string start = std::string(GROUSER_SOURCE_DIR "/../shared/references/rigid_body/adams/") + rod.name;
+  if (!std::filesystem::exists(start + "_ADAMS_Pos.txt"))
+    GTEST_SKIP() << "the published curves are not here: " << start;
+  const Curve center = read_curve(start + "_ADAMS_Pos.txt"), force = read_curve(start + "_ADAMS_Rforce.txt");
+  const Curve moment = read_curve(start + "_ADAMS_Rtorque.txt");
+  ASSERT_GT(center.time.size(), 400u);
+  TreeState state = rod.start;
+  Distance distance;
+  for (std::size_t i = 0; i + 1 < center.time.size(); ++i) {
+    distance.see(observe(rod, state, center.time[i]),
+                 {center.time[i], center.value[i], force.value[i], moment.value[i]});
+    state = runge_kutta(rod.tree, state, rod.gravity, rod.torque, center.time[i + 1] - center.time[i], 10);
+  }
+  distance.expect_small(rod);
+}
+
+INSTANTIATE_TEST_SUITE_P(Published, AdamsRod, ::testing::ValuesIn(adams_rods()),
+                         [](const ::testing::TestParamInfo<HingedRod>& of) {
+                           return of.param.name.substr(of.param.name.find('/') + 1);
+                         });
 
 }  // namespace
 }  // namespace grouser::test

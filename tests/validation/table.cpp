@@ -9,13 +9,21 @@
 namespace grouser::validation {
 namespace {
 
+/// A number with `digits` significant digits; exponents without leading zeros.
+std::string number(double value, int digits) {
+  std::string text = fmt::format("{:.{}g}", value, digits);
+  const std::size_t e = text.find('e');
+  if (e != std::string::npos && text[e + 2] == '0') text.erase(e + 2, 1);
+  return text;
+}
+
 std::string with_unit(const std::string& number, const std::string& unit) {
   return unit.empty() ? number : number + " " + unit;
 }
 
 std::string error_text(double value, const Row& row) {
-  if (row.limit.scale == 0.0) return with_unit(fmt::format("{:.2g}", value), row.unit);
-  return std::abs(value) < 1e-5 ? fmt::format("{:.2g} rel.", value) : fmt::format("{:.2g} %", 100.0 * value);
+  if (row.limit.scale == 0.0) return with_unit(number(value, 2), row.unit);
+  return std::abs(value) < 1e-5 ? number(value, 2) + " rel." : number(100.0 * value, 2) + " %";
 }
 
 std::string cell(const std::string& text) {
@@ -30,9 +38,8 @@ std::string limit_text(const Row& row) {
 
 std::string line_of(const Row& row) {
   return fmt::format("| {} | {} | {} | {}{} | {} | {} |\n", cell(row.quantity),
-                     with_unit(fmt::format("{:.8g}", row.reference), row.unit),
-                     with_unit(fmt::format("{:.8g}", row.measured), row.unit), error_text(row.error(), row),
-                     row.passes() ? "" : " **out**", limit_text(row), cell(row.source));
+                     with_unit(number(row.reference, 8), row.unit), with_unit(number(row.measured, 8), row.unit),
+                     error_text(row.error(), row), row.passes() ? "" : " **out**", limit_text(row), cell(row.source));
 }
 
 std::vector<std::string> cells_of(const std::string& line) {
