@@ -70,8 +70,9 @@ void disc_contacts(const System& system, const AssemblyKnobs& knobs, const State
 /// Pins against sprocket teeth (top, flanks with root fillet, sides) and base circle.
 void sprocket_contacts(const System& system, const AssemblyKnobs& knobs, const State& state, Workspace& work);
 
-/// Ground points against the plane, with bristle friction that truly sticks. Writes state.history's anchors.
-void ground_contacts(const System& system, const History& before, State& state, Workspace& work);
+/// Ground points against the ground, with bristle friction that truly sticks. `before` is the memory at the last
+/// accepted state, h [s] before this one. Writes state.history's anchors.
+void ground_contacts(const System& system, const History& before, double h, State& state, Workspace& work);
 
 /// Penetration of a pin in the gap frame of a sprocket, and the unit normal on the pin (X, Y).
 struct ToothContact {

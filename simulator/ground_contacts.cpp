@@ -7,7 +7,8 @@ namespace {
 struct GroundPoint {
   const CompiledTrack& track;
   double friction;
-  int row;  ///< in the history's anchor fields
+  double h;  ///< since the last accepted state [s]
+  int row;   ///< in the history's anchor fields
   int link;
 };
 
@@ -28,27 +29,48 @@ struct TiltedFrame {
   Matrix3d R_WC;
 };
 
-/// Tangential force of a bristle: a spring from the anchor and a damper; where that exceeds mu N the anchor is drawn
-/// along so that the spring alone carries mu N. Nothing is integrated, so a rejected step costs nothing and a parked
-/// vehicle does not creep.
+/// Tangential force of a bristle: a spring from the anchor that yields at mu N, where the anchor is drawn along, and a
+/// damper beside it that gets what the spring leaves of mu N. Nothing is integrated, so a rejected step costs nothing
+/// and a parked vehicle does not creep. Turned down: a limit on the sum of both, with the anchor drawn until the spring
+/// alone carries it. While N rises the damper then makes the bristle slide where it sticks, the more often the shorter
+/// the step: that law has no limit for h -> 0.
 struct Bristle {
-  double force_x, force_y;
-  bool sliding;
+  double stretch_x, stretch_y;  ///< point less anchor, the spring's
+  double force_x, force_y;      ///< on the point
+  bool drawn;                   ///< the anchor moved
 };
 
-/// x, y: from the anchor to the point, in C; vx, vy: the point's velocity there.
-Bristle stretch(const GroundPoint& g, double x, double y, double vx, double vy, double normal) {
-  const double k = g.track.bristle_stiffness, c = g.track.bristle_damping;
-  Bristle bristle{-k * x - c * vx, -k * y - c * vy, false};
-  const double wanted = std::sqrt(bristle.force_x * bristle.force_x + bristle.force_y * bristle.force_y),
-               limit = g.friction * normal;
-  if (wanted > limit) {
-    const double ratio = limit / wanted;
-    bristle.force_x *= ratio;
-    bristle.force_y *= ratio;
-    bristle.sliding = true;
+/// Where the bristle's spring was free: its anchor or, for a point that came down since the last accepted state, the
+/// place where it touched. Without that a step that overshoots the touch-down takes away the stretch of its overshoot:
+/// the spring's error would be of first order.
+template <typename Frame>
+Vector3d anchor_before(const GroundPoint& g, const Frame& frame, const History& before, const Vector3d& point,
+                       const Vector3d& velocity_C, double depth) {
+  const int row = g.row, i = g.link;
+  if (before.anchored[row][i] != 0.0)
+    return {before.anchor_x[row][i], before.anchor_y[row][i], before.anchor_z[row][i]};
+  const double closing = -velocity_C.z(), since_touch = closing * g.h > depth ? depth / closing : g.h;
+  return point - frame.to_world(since_touch * Vector3d(velocity_C.x(), velocity_C.y(), 0.0));
+}
+
+/// x, y: from the old anchor to the point, in C; vx, vy: the point's velocity there.
+Bristle bend(const GroundPoint& g, double x, double y, double vx, double vy, double normal) {
+  const double k = g.track.bristle_stiffness, c = g.track.bristle_damping, limit = g.friction * normal;
+  Bristle b{x, y, 0.0, 0.0, false};
+  const double spring = k * std::sqrt(x * x + y * y);
+  if (spring > limit) {
+    b.stretch_x *= limit / spring;
+    b.stretch_y *= limit / spring;
+    b.drawn = true;
   }
-  return bristle;
+  b.force_x = -k * b.stretch_x - c * vx;
+  b.force_y = -k * b.stretch_y - c * vy;
+  const double wanted = std::sqrt(b.force_x * b.force_x + b.force_y * b.force_y);
+  if (wanted > limit) {
+    b.force_x *= limit / wanted;
+    b.force_y *= limit / wanted;
+  }
+  return b;
 }
 
 /// A bristle let go gives up what it had stored.
@@ -80,36 +102,32 @@ void press(const GroundPoint& g, const Frame& frame, double depth, const LinkVie
   const double closing = -velocity.z(), elastic = track.ground.stiffness * depth;
   const double factor = normal_factor(track.ground, closing), normal = elastic * factor;
   const bool held = before.anchored[row][i] != 0.0;
-  const Vector3d old_anchor =
-      held ? Vector3d(before.anchor_x[row][i], before.anchor_y[row][i], before.anchor_z[row][i]) : point;
+  const Vector3d old_anchor = anchor_before(g, frame, before, point, velocity, depth);
   const Vector3d from_anchor = frame.to_contact(point - old_anchor);
-  const Bristle b = stretch(g, from_anchor.x(), from_anchor.y(), velocity.x(), velocity.y(), normal);
-  const double k = track.bristle_stiffness, c = track.bristle_damping;
-  const Vector3d anchor = b.sliding ? point + frame.to_world(Vector3d(b.force_x / k, b.force_y / k, 0.0)) : old_anchor;
-  const Vector3d strained = frame.to_contact(point - anchor);
+  const Bristle b = bend(g, from_anchor.x(), from_anchor.y(), velocity.x(), velocity.y(), normal);
+  const double k = track.bristle_stiffness, sx = b.stretch_x, sy = b.stretch_y;
+  const Vector3d anchor = b.drawn ? point - frame.to_world(Vector3d(sx, sy, 0.0)) : old_anchor;
   after.anchor_x[row][i] = anchor.x();
   after.anchor_y[row][i] = anchor.y();
   after.anchor_z[row][i] = anchor.z();
-  after.stretch_x[row][i] = strained.x();
-  after.stretch_y[row][i] = strained.y();
+  after.stretch_x[row][i] = sx;
+  after.stretch_y[row][i] = sy;
   after.anchored[row][i] = 1.0;
   load.add(arm, frame.to_world(Vector3d(b.force_x, b.force_y, normal)));
   ++work.case_count[static_cast<std::size_t>(ContactCase::ground_point)];
   add_stability(g, point_L, elastic, work);
 
-  const double sx = strained.x(), sy = strained.y();
   work.energy.contact += 0.5 * (elastic * depth + k * (sx * sx + sy * sy));
   work.energy.contact_power += elastic * (factor - 1.0) * closing;
-  if (b.sliding) {
-    // Mean spring force over the step times the way of the anchor: with the stored energy's change this is the work,
-    // exactly.
-    const Vector3d way = frame.to_contact(anchor - old_anchor);
-    const double old_sx = held ? before.stretch_x[row][i] : 0.0;
-    const double old_sy = held ? before.stretch_y[row][i] : 0.0;
-    work.energy.ground_step_loss += 0.5 * k * ((sx + old_sx) * way.x() + (sy + old_sy) * way.y());
-  } else {
-    work.energy.ground_power += c * (velocity.x() * velocity.x() + velocity.y() * velocity.y());
-  }
+  // The damper's share. Not negative: mu N is a disc, the sum is scaled back to it and the spring lies inside.
+  work.energy.ground_power -= (b.force_x + k * sx) * velocity.x() + (b.force_y + k * sy) * velocity.y();
+  if (!b.drawn) return;
+  // Mean spring force over the step times the way of the anchor: with the stored energy's change this is the work,
+  // exactly.
+  const Vector3d way = frame.to_contact(anchor - old_anchor);
+  const double old_sx = held ? before.stretch_x[row][i] : 0.0;
+  const double old_sy = held ? before.stretch_y[row][i] : 0.0;
+  work.energy.ground_step_loss += 0.5 * k * ((sx + old_sx) * way.x() + (sy + old_sy) * way.y());
 }
 
 /// Depth of a point below a surface and the surface's normal; no contact where depth <= 0.
@@ -173,7 +191,7 @@ void touch_uneven(const GroundSurface& ground, const GroundPoint& g, const LinkV
 
 }  // namespace
 
-void ground_contacts(const System& system, const History& before, State& state, Workspace& work) {
+void ground_contacts(const System& system, const History& before, double h, State& state, Workspace& work) {
   const GroundSurface& ground = system.ground;
   state.history.anchored.fill(0.0);
   for (const CompiledTrack& track : system.tracks) {
@@ -188,7 +206,7 @@ void ground_contacts(const System& system, const History& before, State& state, 
       LinkLoad load;
       for (std::size_t p = 0; p < track.ground_points.size(); ++p) {
         const Vector3d& point_L = track.ground_points[p];
-        const GroundPoint point{track, friction, static_cast<int>(p), i};
+        const GroundPoint point{track, friction, h, static_cast<int>(p), i};
         if (ground.level()) {
           touch_level(point, link, point_L, before, state.history, load, work);
         } else {

@@ -111,7 +111,7 @@ void evaluate(const System& system, const AssemblyKnobs& knobs, const History& b
   bushing_forces(system, knobs, before, h, state, work);
   disc_contacts(system, knobs, state, work);
   sprocket_contacts(system, knobs, state, work);
-  ground_contacts(system, before, state, work);
+  ground_contacts(system, before, h, state, work);
   suspension_forces(system, knobs, state, work);
   drive_sprockets(system, state, work, acceleration);
   sum_joint_forces(system, work);

@@ -92,7 +92,7 @@ TEST(HalfRound, PushesAPointAlongItsRadius) {
     Workspace work = make_workspace(system);
     place_links(system, state, work);
     const History before = state.history;
-    ground_contacts(system, before, state, work);
+    ground_contacts(system, before, 0.0, state, work);
     const Vector3d force = get_vector(work.contact_force_W[static_cast<std::size_t>(Partner::ground)], k_link);
     const Vector3d radial(std::cos(angle), 0.0, std::sin(angle));
     const double points = std::round(force.norm() / (track.ground.stiffness * depth));  // of one row: 1 to 3

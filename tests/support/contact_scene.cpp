@@ -36,7 +36,7 @@ void ContactScene::touch() {
 void ContactScene::touch_ground() {
   start();
   const History before = state.history;
-  ground_contacts(system, before, state, work);
+  ground_contacts(system, before, 0.0, state, work);
 }
 
 void ContactScene::drift(double dt) {
