@@ -4,6 +4,8 @@
 /// One function a family of comparisons; each runs its own scenes and adds its rows.
 namespace grouser::validation {
 
-void add_trees(Chapter& chapter);  ///< rigid-body trees against published numbers and other solvers
+void add_trees(Chapter& chapter);          ///< rigid-body trees against published numbers and other solvers
+void add_vehicle_rest(Chapter& chapter);   ///< the vehicle at rest: counts, loads, sag
+void add_vehicle_modes(Chapter& chapter);  ///< its heave and pitch frequencies
 
 }  // namespace grouser::validation

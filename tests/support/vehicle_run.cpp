@@ -1,0 +1,150 @@
+#include "tests/support/vehicle_run.h"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace grouser::test {
+
+Scenario shipped_scenario(const std::string& name) {
+  return read_scenario(GROUSER_SOURCE_DIR "/test_data/scenarios/" + name + ".json");
+}
+
+VehicleScene at_rest(const Scenario& scenario) {
+  VehicleScene scene{compile(scenario), {}};
+  scene.rest = assemble(scene.system);
+  return scene;
+}
+
+ShortRun follow(const System& system, const State& start, const AssemblyKnobs& knobs, double until,
+                const std::function<void(const Stepper&)>& look) {
+  Stepper stepper(system, start, knobs);
+  ShortRun run;
+  run.book = open_book(stepper.work().energy);
+  while (stepper.state().time < until) {
+    if (stepper.step(until) != StepStatus::ok) throw std::runtime_error("the run failed");
+    book_step(run.book, stepper.work().energy, stepper.last_step());
+    ++run.steps;
+    if (look) look(stepper);
+  }
+  run.state = stepper.state();
+  run.acceleration = stepper.acceleration();
+  return run;
+}
+
+Bushing linear_bushing() {
+  Bushing bushing = elastic_bushing();
+  bushing.name = "linear";
+  const double damping[] = {4e3, 2e3, 4e3, 100.0, 2.0, 100.0};
+  for (std::size_t a = 0; a < k_num_axes; ++a) bushing.axes[a].viscous = damping[a];
+  return bushing;
+}
+
+Vehicle frictionless(Vehicle vehicle) {
+  for (RunningGear& gear : vehicle.sides) {
+    for (Station& station : gear.stations) station.wheel.contact.friction = 0.0;
+    for (DiscPair& roller : gear.support_rollers) roller.contact.friction = 0.0;
+    gear.idler.wheel.contact.friction = 0.0;
+    gear.sprocket.contact.friction = 0.0;
+  }
+  return vehicle;
+}
+
+void set_tensioner(double stiffness, VehicleScene& scene) {
+  for (CompiledSuspension& spring : scene.system.suspension) {
+    if (spring.kind != JointSpring::tensioner) continue;
+    const auto side = static_cast<std::size_t>(index_of(spring.side));
+    const Idler& idler = scene.system.scenario.vehicle.side(spring.side).idler;
+    const double angle = scene.rest.state.chassis.angle[spring.body];
+    double& reference = scene.rest.knobs.tensioner_reference[side];
+    const double moment = spring.tensioner_stiffness * (angle - reference);
+    spring.tensioner_stiffness = stiffness * (idler.wheel.center - idler.pivot).squaredNorm();
+    reference = angle - moment / spring.tensioner_stiffness;
+  }
+}
+
+CenterOfMass center_of_mass(const System& system, const State& state, const Workspace& work) {
+  CenterOfMass sum;
+  const auto add = [&](double mass, const Vector3d& position, const Vector3d& velocity) {
+    sum.mass += mass;
+    sum.position += mass * position;
+    sum.velocity += mass * velocity;
+  };
+  const TreeState& chassis = state.chassis;
+  add(system.tree.base_mass, chassis.position, chassis.velocity);
+  for (std::size_t i = 0; i < system.tree.bodies.size(); ++i) {
+    const Vector3d& from_base = work.chassis.center_W[i];
+    add(system.tree.bodies[i].mass, chassis.position + from_base,
+        work.chassis.velocity_at(static_cast<int>(i), from_base));
+  }
+  for (const CompiledTrack& track : system.tracks) {
+    for (int i = track.offset; i < track.offset + track.num_links; ++i)
+      add(track.mass, get_vector(state.position, i), get_vector(state.velocity, i));
+  }
+  sum.position /= sum.mass;
+  sum.velocity /= sum.mass;
+  return sum;
+}
+
+GroundPress press_on_ground(const System& system, const State& state) {
+  GroundPress press;
+  const std::vector<Station>& stations = system.scenario.vehicle.side(Side::left).stations;
+  const auto nearest = [&](double x) {
+    std::size_t best = 0;
+    for (std::size_t s = 1; s < stations.size(); ++s) {
+      const double origin = state.chassis.position.x() - system.chassis_center_V.x();
+      const auto distance = [&](std::size_t k) { return std::abs(origin + stations[k].wheel.center.x() - x); };
+      if (distance(s) < distance(best)) best = s;
+    }
+    return best;
+  };
+  press.wheel_forces.assign(stations.size(), 0.0);
+  for (const CompiledTrack& track : system.tracks) {
+    for (int i = track.offset; i < track.offset + track.num_links; ++i) {
+      const LinkMotion link = get_link(state, i);
+      double force = 0.0;
+      for (const Vector3d& point : track.ground_points) {
+        const Vector3d at = link.position + link.orientation * point;
+        const double push = track.ground.stiffness * std::max(0.0, -at.z());
+        force += push;
+        press.moment += push * at.x();
+      }
+      press.force += force;
+      const bool on_ground = link.position.z() < 1.2 * track.ground_depth;
+      const double front = stations.front().wheel.center.x(), rear = stations.back().wheel.center.x();
+      const double x = link.position.x();
+      if (track.side != Side::left || !on_ground) continue;
+      const double weight = x < front && x > rear ? track.mass * system.scenario.gravity : 0.0;
+      press.wheel_forces[nearest(x)] += force - weight;
+    }
+  }
+  return press;
+}
+
+State turned(const State& state, double angle) {
+  State out = state;
+  const Quaterniond turn(Eigen::AngleAxisd(angle, Vector3d::UnitZ()));
+  const auto turn_fields = [&](Field& x, Field& y, int row) {
+    for (int i = 0; i < x.length(); ++i) {
+      const Vector3d v = turn * Vector3d(x[row][i], y[row][i], 0.0);
+      x[row][i] = v.x();
+      y[row][i] = v.y();
+    }
+  };
+  for (int i = 0; i < state.position.length(); ++i) {
+    LinkMotion link = get_link(state, i);
+    link.position = turn * link.position;
+    link.velocity = turn * link.velocity;
+    link.orientation = turn * link.orientation;
+    set_link(out, i, link);
+  }
+  for (int row = 0; row < state.history.anchor_x.components(); ++row) {
+    turn_fields(out.history.anchor_x, out.history.anchor_y, row);
+    turn_fields(out.history.stretch_x, out.history.stretch_y, row);
+  }
+  out.chassis.position = turn * state.chassis.position;
+  out.chassis.velocity = turn * state.chassis.velocity;
+  out.chassis.orientation = turn * state.chassis.orientation;
+  return out;
+}
+
+}  // namespace grouser::test
