@@ -8,38 +8,13 @@
 
 #include "simulator/links.h"
 #include "tests/support/closed_forms.h"
-#include "tests/support/scenes.h"
+#include "tests/support/scalar_run.h"
+#include "tests/support/tops.h"
 
 namespace grouser::test {
 namespace {
 
 constexpr double k_beta = 28.0 / 27.0;
-
-/// Chung-Lee on one scalar, from f_{-1} = f_0.
-template <typename Force>
-class ScalarRun {
- public:
-  ScalarRun(double beta, Force force, double u0, double v0) : beta_(beta), force_(force), u(u0), v(v0) {
-    before_ = force_(0.0, u, v);
-  }
-  void step(double h) {
-    const StepWeights w = step_weights(beta_, h, previous_h_ > 0.0 ? previous_h_ : h);
-    const double now = force_(t, u, v);
-    u += h * v + w.position_now * now + w.position_before * before_;
-    v += w.velocity_now * now + w.velocity_before * before_;
-    before_ = now;
-    previous_h_ = h;
-    t += h;
-  }
-
- private:
-  double beta_;
-  Force force_;
-  double before_ = 0.0, previous_h_ = 0.0;
-
- public:
-  double t = 0.0, u, v;
-};
 
 auto oscillator_force(double damping) {
   return [damping](double, double u, double v) { return -2.0 * damping * v - u; };
@@ -192,75 +167,42 @@ TEST(ChungLee, EmbeddedEstimatesTendToTheTrueLocalError) {
   }
 }
 
-/// One link of the given inertia, free and torque-less, through the program's own stepping.
-struct Top {
-  System system;
-  State state;
-};
-Top spin_top(const Vector3d& inertia, const Vector3d& spin, double duration, int steps) {
-  Vehicle vehicle = bare_vehicle(8);
-  for (RunningGear& gear : vehicle.sides) gear.track.link.inertia = inertia;
-  Scenario scenario = parked(vehicle, no_bushing(), 0.0);
-  scenario.integrator.fixed_step = duration / steps;
-  Top top{compile(scenario), {}};
-  top.state = strewn_state(top.system);
-  LinkMotion link = get_link(top.state, 0);
-  link.angular_velocity = spin;
-  set_link(top.state, 0, link);
-  close_chains(top.system, top.state);
-  Stepper stepper(top.system, top.state, {});
-  for (int i = 0; i < steps; ++i) EXPECT_EQ(stepper.step(1e9), StepStatus::ok);
-  top.state = stepper.state();
-  return top;
-}
-
-/// The same top by the classical Runge-Kutta method with steps so small that its error is round-off.
-Quaterniond reference_top(const Vector3d& inertia, const Vector3d& spin, double duration) {
-  using Vector7d = Eigen::Matrix<double, 7, 1>;
-  const auto rate = [&](const Vector7d& y) {
-    const Vector3d w = y.tail<3>();
-    const Quaterniond q(y[0], y[1], y[2], y[3]), dq = q * Quaterniond(0.0, w.x(), w.y(), w.z());
-    Vector7d d;
-    d << 0.5 * dq.w(), 0.5 * dq.x(), 0.5 * dq.y(), 0.5 * dq.z(),
-        (-w.cross(inertia.cwiseProduct(w))).cwiseQuotient(inertia);
-    return d;
-  };
-  Vector7d y;
-  y << 1.0, 0.0, 0.0, 0.0, spin;
-  constexpr int k_steps = 20000;
-  const double h = duration / k_steps;
-  for (int i = 0; i < k_steps; ++i) {
-    const Vector7d k1 = rate(y), k2 = rate(y + 0.5 * h * k1), k3 = rate(y + 0.5 * h * k2), k4 = rate(y + h * k3);
-    y += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
-  }
-  return Quaterniond(y[0], y[1], y[2], y[3]);
-}
-
 TEST(ChungLee, TurnsATorqueFreeTopAtSecondOrder) {
   const Vector3d inertia(1.0, 2.0, 3.5), spin(0.4, 2.0, 0.3);
-  const Quaterniond exact = reference_top(inertia, spin, 5.0);
+  const Quaterniond exact = reference_top(inertia, spin, 5.0).orientation;
   struct Row {
     int steps;
     double error;
   };
   for (const Row& row : {Row{250, 3.68e-4}, Row{500, 9.08e-5}, Row{1000, 2.26e-5}, Row{2000, 5.62e-6}}) {  // D 1.3
-    const Quaterniond q = get_link(spin_top(inertia, spin, 5.0, row.steps).state, 0).orientation;
-    const double sign = q.dot(exact) < 0.0 ? -1.0 : 1.0;
-    EXPECT_NEAR((sign * q.coeffs() - exact.coeffs()).norm() / row.error, 1.0, 0.02) << row.steps << " steps";
+    const Quaterniond q = spin_top(inertia, spin, 5.0, row.steps).orientation;
+    EXPECT_NEAR(quaternion_distance(q, exact) / row.error, 1.0, 0.02) << row.steps << " steps";
     EXPECT_NEAR(q.norm(), 1.0, 1e-14);
   }
 }
 
 TEST(ChungLee, KeepsTheClosedFormOfEulersTop) {
-  // I = (3, 2, 1), w0 = (1, 0, 1): Jacobi's elliptic functions.
-  const Vector3d known(0.974400660583082, -0.38939704411533, -0.921069998444333);
+  const TopReference top = euler_top();
   const auto error = [&](int steps) {
-    const Top top = spin_top({3.0, 2.0, 1.0}, {1.0, 0.0, 1.0}, 10.0, steps);
-    return (get_link(top.state, 0).angular_velocity - known).norm();
+    const TopReference::At& last = top.known.back();  // 10 s
+    return (spin_top(top.inertia, top.spin, last.time, steps).angular_velocity - last.angular_velocity).norm();
   };
   const double coarse = error(2000), fine = error(4000);
   EXPECT_LT(fine, 3e-5);                 // 10 s at steps of 2.5 ms, measured 1.9e-5
   EXPECT_NEAR(coarse / fine, 4.0, 0.1);  // second order
+}
+
+TEST(ChungLee, TumblesAboutTheMiddleAxisAsKnown) {
+  const TopReference top = tumbling_top();
+  for (const TopReference::At& known : top.known) {
+    const Vector3d found = reference_top(top.inertia, top.spin, known.time).angular_velocity;
+    EXPECT_LT((found - known.angular_velocity).norm(), 1e-6) << known.time << " s";
+  }
+  const TopReference::At& last = top.known[3];  // 4 s, after the first turn-over
+  const auto error = [&](int steps) {
+    return (spin_top(top.inertia, top.spin, last.time, steps).angular_velocity - last.angular_velocity).norm();
+  };
+  EXPECT_NEAR(error(8000) / error(16000), 4.0, 0.1);
 }
 
 TEST(ChungLee, AFreeBodyUnderGravityFallsExactly) {

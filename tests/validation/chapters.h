@@ -7,5 +7,6 @@ namespace grouser::validation {
 void add_trees(Chapter& chapter);          ///< rigid-body trees against published numbers and other solvers
 void add_vehicle_rest(Chapter& chapter);   ///< the vehicle at rest: counts, loads, sag
 void add_vehicle_modes(Chapter& chapter);  ///< its heave and pitch frequencies
+void add_integrator(Chapter& chapter);  ///< Chung-Lee's spectrum, order, trajectories; other integrators; tops
 
 }  // namespace grouser::validation
