@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "model/errors.h"
+#include "simulator/failures.h"
 #include "simulator/start_pose.h"
 #include "simulator/track_path.h"
 #include "simulator/track_watch.h"
@@ -104,9 +105,9 @@ class Settling {
     while (stepper_.state().time < 0.0) {
       const double elapsed = stepper_.state().time + total;
       turn_knobs(elapsed, total);
-      if (stepper_.step(0.0) != StepStatus::ok) {
-        throw NumericalError(fmt::format("assembly diverged {:.3f} s after its start, worst at link array index {}",
-                                         elapsed, stepper_.worst_link()));
+      if (const StepStatus status = stepper_.step(0.0); status != StepStatus::ok) {
+        throw NumericalError(
+            fmt::format("assembly, {:.3f} s after its start: {}", elapsed, step_failure(system_, stepper_, status)));
       }
       if (progress && elapsed > told + 0.02 * total) {
         told = elapsed;

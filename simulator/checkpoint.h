@@ -129,6 +129,12 @@ void archive(Archive& a, CheckpointIdentity& identity) {
 }
 
 template <typename Archive>
+void archive(Archive& a, Part& part) {
+  auto& [link, body] = part;
+  a(link, body);
+}
+
+template <typename Archive>
 void archive(Archive& a, TreeState& state) {
   auto& [position, orientation, velocity, angular_velocity, angle, rate] = state;
   a(position, orientation, velocity, angular_velocity, angle, rate);

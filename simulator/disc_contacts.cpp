@@ -91,6 +91,7 @@ bool touch_path(const Meeting& m, double stiffness, double lateral, const Vector
   add_stability(work, track, m.link.index, 0.0, steepest, 0.0, 0.0, track.wheel_path_height);
   work.stability[1][m.link.index] +=
       elastic * m.discs.contact.rate * (1.0 / track.mass + disc.x() * disc.x() / track.inertia.y());
+  work.rim_damping[static_cast<std::size_t>(m.discs.body)] += steepest;
   work.energy.contact += stiffness * patch.energy;
   work.energy.contact_power += elastic * (factor - 1.0) * closing;
   work.energy.friction_power += q * slip.squaredNorm();

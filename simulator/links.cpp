@@ -1,7 +1,6 @@
 #include "simulator/links.h"
 
 #include <cmath>
-#include <limits>
 
 namespace grouser {
 namespace {
@@ -33,7 +32,7 @@ void find_bound(const CompiledTrack& track, double beta, Workspace& work) {
     const double h = stable_step(beta, work.stability[0][i], work.stability[1][i]);
     if (h < work.largest_stable_step) {
       work.largest_stable_step = h;
-      work.bounding_link = i;
+      work.bounding = {i, -1};
     }
   }
 }
@@ -62,8 +61,6 @@ void turn(const State& now, const Lanes3& angle, int i, State& next) {
 
 void link_accelerations(const System& system, const AssemblyKnobs& knobs, const State& state, Workspace& work,
                         Acceleration& acceleration) {
-  work.largest_stable_step = std::numeric_limits<double>::infinity();
-  work.bounding_link = -1;
   const Vector3d& g = system.gravity_W;
   for (const CompiledTrack& track : system.tracks) {
     add_joint_stability(track, work);

@@ -5,7 +5,7 @@
 namespace grouser {
 
 /// M^t q'' = Q^t (paper eq. 6), block diagonal: accelerations of all links from the force sums; kinetic and gravity
-/// energy; the pessimistic stable step of every link (P 3) and the link that bounds it.
+/// energy; the pessimistic stable step of every link (P 3), where it is the shortest so far.
 void link_accelerations(const System& system, const AssemblyKnobs& knobs, const State& state, Workspace& work,
                         Acceleration& acceleration);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "model/errors.h"
+#include "simulator/failures.h"
 
 namespace grouser {
 namespace {
@@ -106,13 +107,7 @@ RunStatus RunLoop::watch_track(RunSummary& summary) {
 }
 
 RunStatus RunLoop::numerical_failure(StepStatus status, RunSummary& summary) const {
-  const std::string body = link_name(system_, stepper_.worst_link());
-  const char* quantity = "the acceleration is no longer finite: the run diverged";
-  if (status == StepStatus::turned_too_far)
-    quantity = "it turned by more than half a radian in one step: the run diverged";
-  if (status == StepStatus::underflow)
-    quantity = "its local error asks for a step below integrator.min_step: step underflow";
-  summary.message = fmt::format("at {:.6f} s, {}: {}", stepper_.state().time, body, quantity);
+  summary.message = fmt::format("at {:.6f} s, {}", stepper_.state().time, step_failure(system_, stepper_, status));
   return RunStatus::failed;
 }
 

@@ -69,6 +69,7 @@ Workspace make_workspace(const System& system) {
       work.branch_step[static_cast<std::size_t>(index_of(track.side))][a].resize(track.bushing[a].branches.size());
     }
   }
+  work.rim_damping.assign(system.tree.bodies.size(), 0.0);
   work.prescribed_acceleration.assign(system.tree.bodies.size(), 0.0);
   return work;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "simulator/bushings.h"
@@ -18,6 +19,9 @@ void reset(Workspace& work) {
   work.force_W.fill(0.0);
   work.torque_W.fill(0.0);
   work.stability.fill(0.0);
+  std::fill(work.rim_damping.begin(), work.rim_damping.end(), 0.0);
+  work.largest_stable_step = std::numeric_limits<double>::infinity();
+  work.bounding = {};
   for (Field& field : work.contact_force_W) field.fill(0.0);
   work.lateral_guide_offset = {};
   work.case_count = {};
@@ -46,6 +50,30 @@ void chassis_accelerations(const System& system, const AssemblyKnobs& knobs, con
   }
 }
 
+/// Friction between a wheel's rims and the links that it meets: all of it acts on the wheel's one spin, so that a light
+/// idler is shaken before any of its links is. n links with slopes c against a spin of inertia J fall together at the
+/// rate n c R^2 / J + c / m_link, with m_link what a link sets against a push along its wheel path; a link's slope is
+/// at most that of two discs. The rate is exact where the links' bounds are pessimistic by 1.5 at least (P 3); it is
+/// taken 1.5 times as large, so that one stability_fraction serves both.
+void bound_wheel_spins(const System& system, Workspace& work) {
+  constexpr double k_pessimism = 1.5;
+  for (const CompiledTrack& track : system.tracks) {
+    const double height = track.wheel_path_height,
+                 link_mobility = 1.0 / track.mass + height * height / track.inertia.y();
+    for (const CompiledDiscs& discs : track.discs) {
+      const TreeBody& wheel = system.tree.bodies[static_cast<std::size_t>(discs.body)];
+      const double damping = work.rim_damping[static_cast<std::size_t>(discs.body)];
+      const double of_spin = discs.radius * discs.radius / wheel.axis.dot(wheel.inertia * wheel.axis);
+      const double of_link = std::min(damping, 2.0 * discs.contact.friction_slope_limit) * link_mobility;
+      const double h = stable_step(system.scenario.integrator.beta, 0.0, k_pessimism * (damping * of_spin + of_link));
+      if (h < work.largest_stable_step) {
+        work.largest_stable_step = h;
+        work.bounding = {-1, discs.body};
+      }
+    }
+  }
+}
+
 void advance_chassis(const System& system, const StepWeights& w, double time, const TreeState& now,
                      const TreeAcceleration& f, const TreeAcceleration& f0, TreeState& next) {
   next.position = now.position + w.h * now.velocity + w.position_now * f.linear + w.position_before * f0.linear;
@@ -65,17 +93,37 @@ void advance_chassis(const System& system, const StepWeights& w, double time, co
   }
 }
 
-/// Largest error of the joints' rates over the tolerance, as the speed of a point 0.3 m from the axis.
-double joint_error(const System& system, const ErrorWeights& w, const TreeAcceleration& next,
-                   const TreeAcceleration& now, const TreeAcceleration& before) {
+/// Largest embedded error of the tree over its tolerance, and whose it is.
+struct TreeError {
+  double ratio = 0.0;
+  int body = -1;  ///< tree body; -1: the chassis itself
+};
+
+/// Errors of the chassis' velocity, of its angular velocity as the speed of the pivot furthest from its centre
+/// (`reach` [m]), and of the joints' rates as the speed of a point 0.3 m from the axis.
+TreeError tree_error(const System& system, double reach, const ErrorWeights& w, const TreeAcceleration& next,
+                     const TreeAcceleration& now, const TreeAcceleration& before) {
   constexpr double k_arm = 0.3;  // m
-  double worst = 0.0;
+  const auto bend = [&](const auto& n, const auto& f, const auto& b) { return n - f - w.ratio * (f - b); };
+  const double per_tolerance = w.velocity / system.scenario.integrator.velocity_tolerance;
+  TreeError worst{per_tolerance * std::max(Vector3d(bend(next.linear, now.linear, before.linear)).norm(),
+                                           reach * Vector3d(bend(next.angular, now.angular, before.angular)).norm()),
+                  -1};
   for (Eigen::Index j = 0; j < now.joint.size(); ++j) {
     if (system.tree.bodies[static_cast<std::size_t>(j)].prescribed) continue;
-    const double bend = next.joint[j] - now.joint[j] - w.ratio * (now.joint[j] - before.joint[j]);
-    worst = std::max(worst, k_arm * w.velocity * std::abs(bend));
+    const double error = per_tolerance * k_arm * std::abs(bend(next.joint[j], now.joint[j], before.joint[j]));
+    if (error > worst.ratio) worst = {error, static_cast<int>(j)};
   }
-  return worst / system.scenario.integrator.velocity_tolerance;
+  return worst;
+}
+
+/// Distance of the furthest joint of the base from its centre of mass [m].
+double furthest_pivot(const Tree& tree) {
+  double reach = 0.0;
+  for (const TreeBody& body : tree.bodies) {
+    if (body.parent < 0) reach = std::max(reach, body.origin.norm());
+  }
+  return reach;
 }
 
 /// First link whose acceleration is not finite, else the one that is accelerated most.
@@ -117,6 +165,7 @@ void evaluate(const System& system, const AssemblyKnobs& knobs, const History& b
   sum_joint_forces(system, work);
   chassis_accelerations(system, knobs, state, work, acceleration);
   link_accelerations(system, knobs, state, work, acceleration);
+  bound_wheel_spins(system, work);
 }
 
 double advance(const System& system, double h, double previous_h, const State& now, const Acceleration& f_now,
@@ -138,7 +187,8 @@ Stepper::Stepper(const System& system, State start, const AssemblyKnobs& start_k
       system_(system),
       states_{start, start},
       works_{make_workspace(system), make_workspace(system)},
-      accelerations_{make_acceleration(system), make_acceleration(system), make_acceleration(system)} {
+      accelerations_{make_acceleration(system), make_acceleration(system), make_acceleration(system)},
+      reach_(furthest_pivot(system.tree)) {
   restart();
 }
 
@@ -153,6 +203,7 @@ void Stepper::restart() {
                                 : std::min(options.max_step, 0.5 * works_[now_].largest_stable_step);
   previous_h_ = h_;
   limit_ = options.fixed_step > 0.0 ? StepLimit::fixed : StepLimit::growth;
+  limiting_ = works_[now_].bounding;
 }
 
 const Acceleration& Stepper::reevaluate() {
@@ -178,33 +229,27 @@ StepStatus Stepper::step(double until) {
     const double h = last ? left : (left < 2.0 * h_ ? 0.5 * left : h_);
     const double turn = advance(system_, h, previous_h_, now, accelerations_[f_now_], accelerations_[f_before_], next);
     if (!(turn < 0.5)) {  // rad in one step; also a NaN
-      worst_link_ = wildest_link(system_, accelerations_[f_now_]);
+      worst_ = {wildest_link(system_, accelerations_[f_now_]), -1};
       return StepStatus::turned_too_far;
     }
     evaluate(system_, knobs, now.history, h, next, next_work, accelerations_[f_next_]);
     ++evaluations_;
 
-    double ratio = 0.0;
-    if (options.fixed_step <= 0.0) {
-      const ErrorWeights weights = error_weights(options.beta, h, previous_h_);
-      const LocalError error =
-          link_error(system_, weights, accelerations_[f_next_], accelerations_[f_now_], accelerations_[f_before_]);
-      worst_link_ = error.link;
-      ratio = std::max(error.ratio, joint_error(system_, weights, accelerations_[f_next_].chassis,
-                                                accelerations_[f_now_].chassis, accelerations_[f_before_].chassis));
-      if (ratio > 1.0) {
-        if (h <= options.min_step) return StepStatus::underflow;
-        h_ = std::max(options.min_step, h * std::clamp(0.9 * std::cbrt(1.0 / ratio), 0.2, 0.9));
-        limit_ = StepLimit::error;
-        ++rejected_;
-        continue;
-      }
+    const double ratio = options.fixed_step > 0.0 ? 0.0 : error_ratio(h);
+    if (ratio > 1.0) {
+      if (h <= options.min_step) return StepStatus::underflow;
+      h_ = std::max(options.min_step, h * std::clamp(0.9 * std::cbrt(1.0 / ratio), 0.2, 0.9));
+      limit_ = StepLimit::error;
+      limiting_ = worst_;
+      ++rejected_;
+      continue;
     }
     if (!finite(accelerations_[f_next_])) {
-      worst_link_ = wildest_link(system_, accelerations_[f_next_]);
+      worst_ = {wildest_link(system_, accelerations_[f_next_]), -1};
       return StepStatus::not_finite;
     }
     last_limit_ = h < h_ ? StepLimit::end : limit_;
+    last_limiting_ = limiting_;
     last_error_ = ratio;
     const std::size_t oldest = f_before_;
     f_before_ = f_now_;
@@ -218,20 +263,33 @@ StepStatus Stepper::step(double until) {
   }
 }
 
+double Stepper::error_ratio(double h) {
+  const ErrorWeights weights = error_weights(system_.scenario.integrator.beta, h, previous_h_);
+  const Acceleration &next = accelerations_[f_next_], &now = accelerations_[f_now_],
+                     &before = accelerations_[f_before_];
+  const LocalError link = link_error(system_, weights, next, now, before);
+  const TreeError tree = tree_error(system_, reach_, weights, next.chassis, now.chassis, before.chassis);
+  worst_ = tree.ratio > link.ratio ? Part{-1, tree.body} : Part{link.link, -1};
+  return tree.ratio > link.ratio ? tree.ratio : link.ratio;  // a link that is not a number stays one
+}
+
 void Stepper::choose_next_step(double error_ratio) {
   const IntegratorOptions& options = system_.scenario.integrator;
   if (options.fixed_step > 0.0) {
     h_ = options.fixed_step;
     limit_ = StepLimit::fixed;
+    limiting_ = works_[now_].bounding;
     return;
   }
   const double used = previous_h_;
   h_ = used * std::max(0.2, 0.9 * std::cbrt(1.0 / std::max(error_ratio, 1e-9)));
   limit_ = StepLimit::error;
+  limiting_ = worst_;
   const auto bound = [&](double h, StepLimit why) {
     if (h < h_) h_ = h, limit_ = why;
   };
   bound(options.stability_fraction * works_[now_].largest_stable_step, StepLimit::stability);
+  if (limit_ == StepLimit::stability) limiting_ = works_[now_].bounding;
   bound(options.growth_limit * used, StepLimit::growth);
   bound(options.max_step, StepLimit::max_step);
   if (h_ < options.min_step) h_ = options.min_step, limit_ = StepLimit::min_step;

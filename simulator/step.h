@@ -36,7 +36,7 @@ class Stepper {
   template <typename Archive>
   void archive(Archive& a) {
     a(states_[now_], states_[1 - now_], accelerations_[f_now_], accelerations_[f_before_], h_, previous_h_, limit_,
-      last_limit_, last_error_, rejected_, evaluations_, worst_link_);
+      last_limit_, limiting_, last_limiting_, last_error_, rejected_, evaluations_, worst_);
   }
   /// Fills the workspace of an archived state as the step that led to it did. Returns the accelerations that come out;
   /// the same program on the same machine finds those that were archived, to the last bit.
@@ -53,12 +53,16 @@ class Stepper {
   [[nodiscard]] double last_step() const { return previous_h_; }
   [[nodiscard]] double last_error() const { return last_error_; }
   [[nodiscard]] StepLimit last_limit() const { return last_limit_; }
+  /// Whose error or stability set the size of the last step (error, stability), or would have (fixed).
+  [[nodiscard]] Part last_limiting() const { return last_limiting_; }
   [[nodiscard]] long rejected() const { return rejected_; }
   [[nodiscard]] long evaluations() const { return evaluations_; }
-  /// Link (array index) of the largest error of the last trial, or the one that a failed step ended on; -1 if none.
-  [[nodiscard]] int worst_link() const { return worst_link_; }
+  /// Part with the largest error of the last trial, or the one that a failed step ended on.
+  [[nodiscard]] Part worst() const { return worst_; }
 
  private:
+  /// Largest local error of the trial over its tolerance; fills worst_.
+  [[nodiscard]] double error_ratio(double h);
   void choose_next_step(double error_ratio);
 
   const System& system_;
@@ -72,7 +76,8 @@ class Stepper {
   StepLimit limit_ = StepLimit::max_step, last_limit_ = StepLimit::max_step;
   double last_error_ = 0.0;
   long rejected_ = 0, evaluations_ = 0;
-  int worst_link_ = -1;
+  Part limiting_, last_limiting_, worst_;
+  double reach_ = 0.0;  ///< m, of the chassis' furthest pivot
 };
 
 }  // namespace grouser

@@ -52,6 +52,12 @@ struct EnergyTerms {
   [[nodiscard]] double stored() const { return kinetic + gravity + bushing + suspension + contact; }
 };
 
+/// A part of the vehicle: a link, a body of the tree or, where both are -1, the chassis itself.
+struct Part {
+  int link = -1;  ///< link array index
+  int body = -1;  ///< tree body
+};
+
 /// Knobs that only assembly turns.
 struct AssemblyKnobs {
   double stiffness_scale = 1.0;  ///< of bushings, discs and sprocket
@@ -80,6 +86,8 @@ struct Workspace {
   Field torque_W;   ///< about its centre [N m], W (3 x links)
   Field stability;  ///< sums of k/m and c/m over contacts and joints [1/s^2, 1/s] (2 x links)
   std::array<Field, k_num_partners> contact_force_W;  ///< by partner [N], W (3 x links)
+  std::vector<double> rim_damping;  ///< sum of the friction slopes on a wheel's rims [N s/m] (tree bodies), by
+                                    ///< disc_contacts
 
   /// Maxwell constants for the step's length, by side and axis, by bushing_forces.
   std::array<std::array<std::vector<MaxwellStep>, k_num_axes>, k_num_sides> branch_step;
@@ -88,8 +96,8 @@ struct Workspace {
   std::array<double, k_num_sides>
       lateral_guide_offset{};  ///< largest |y| of a link engaged with a wheel [m], by guide_contacts
   std::array<long, k_num_contact_cases> case_count{};  ///< this evaluation
-  double largest_stable_step = 0.0;                    ///< s, by link_accelerations (pessimistic bound)
-  int bounding_link = -1;                              ///< link array index that set it
+  double largest_stable_step = 0.0;                    ///< s, by contacts and link_accelerations (pessimistic bound)
+  Part bounding;                                       ///< what set it
 };
 
 [[nodiscard]] Workspace make_workspace(const System& system);

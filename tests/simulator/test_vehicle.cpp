@@ -153,7 +153,7 @@ TEST(Vehicle, AStepThatCannotMeetItsToleranceEndsAsUnderflow) {
   StepStatus status = StepStatus::ok;
   for (int i = 0; i < 5000 && status == StepStatus::ok; ++i) status = stepper.step(1e9);
   EXPECT_EQ(status, StepStatus::underflow);
-  EXPECT_GE(stepper.worst_link(), 0);
+  EXPECT_GE(stepper.worst().link, 0);
 }
 
 }  // namespace
