@@ -186,9 +186,8 @@ void add_orders(Chapter& chapter) {
                fraction(2e-3, 1.618e-4, "digits of the table"), table});
   chapter.add({"largest error of v with 6400 equal steps", "", 2.954e-5, at_6400.y(),
                fraction(2e-3, 2.954e-5, "digits of the table"), table});
-  const auto add_order = [&](const char* quantity, double coarse, double fine, double limit, const char* because) {
-    chapter.add(
-        {quantity, "", 2.0, order_of(coarse, fine), within(limit, because), std::string(k_method) + ": second order"});
+  const auto add_order = [&](const char* quantity, double order, double limit, const char* because) {
+    chapter.add({quantity, "", 2.0, order, within(limit, because), std::string(k_method) + ": second order"});
   };
   add_order("order with equal steps", order_of(driven_errors(same(3200)).x(), at_6400.x()), 0.02,
             "the h³ term at 6400 steps");
