@@ -8,5 +8,6 @@ void add_trees(Chapter& chapter);          ///< rigid-body trees against publish
 void add_vehicle_rest(Chapter& chapter);   ///< the vehicle at rest: counts, loads, sag
 void add_vehicle_modes(Chapter& chapter);  ///< its heave and pitch frequencies
 void add_integrator(Chapter& chapter);  ///< Chung-Lee's spectrum, order, trajectories; other integrators; tops
+void add_chains(Chapter& chapter);  ///< chains of links: momentum, hoop, catenary, vibration, waves
 
 }  // namespace grouser::validation

@@ -26,6 +26,7 @@ struct Family {
 constexpr Family k_families[] = {
     {"trees", "Rigid-body trees", add_trees},
     {"integrator", "Integrator", add_integrator},
+    {"chains", "Chains of links", add_chains},
     {"vehicle_rest", "The vehicle at rest", add_vehicle_rest},
     {"vehicle_modes", "Heave and pitch of the vehicle", add_vehicle_modes},
 };
