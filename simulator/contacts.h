@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "simulator/workspace.h"
@@ -48,19 +49,39 @@ struct LinkLoad {
 /// Adds a load to a link's sums and books its force to a partner.
 void push_link(Workspace& work, int i, const LinkLoad& load, Partner partner);
 
-/// Calls visit(i) for every link (offset .. offset + num_links) whose centre is within `radius` of `center` (W).
+/// Vectors of eight links in a row from World to the link frames and back; work.rotation from place_links.
+[[nodiscard]] inline Lanes3 to_links(const Workspace& work, int first, const Lanes3& v_W) {
+  const auto r = [&](int c) { return load(work.rotation[c] + first); };
+  return {r(0) * v_W.x + r(3) * v_W.y + r(6) * v_W.z, r(1) * v_W.x + r(4) * v_W.y + r(7) * v_W.z,
+          r(2) * v_W.x + r(5) * v_W.y + r(8) * v_W.z};
+}
+[[nodiscard]] inline Lanes3 to_world(const Workspace& work, int first, const Lanes3& v_L) {
+  const auto r = [&](int c) { return load(work.rotation[c] + first); };
+  return {r(0) * v_L.x + r(1) * v_L.y + r(2) * v_L.z, r(3) * v_L.x + r(4) * v_L.y + r(5) * v_L.z,
+          r(6) * v_L.x + r(7) * v_L.y + r(8) * v_L.z};
+}
+
+/// Calls visit(first, near) for windows of eight links in a row that together hold every link of the track whose centre
+/// is within `radius` of `center` (W), each once. A window begins at such a link; `near` says which others of it are.
+/// Neighbours in a track stay neighbours, so one window or two hold all that a wheel meets.
 template <typename Visit>
 void for_links_within(const CompiledTrack& track, const State& state, const Vector3d& center, double radius,
                       Visit visit) {
-  for (int first = 0; first < track.num_links; first += k_lanes) {
-    const int i = track.offset + first;
-    const Lanes3 p = load3(state.position, i);
-    const Lanes distance2 = (p.x - center.x()).square() + (p.y - center.y()).square() + (p.z - center.z()).square();
-    if (distance2.minCoeff() > radius * radius) continue;
-    const int end = std::min(k_lanes, track.num_links - first);
-    for (int lane = 0; lane < end; ++lane) {
-      if (distance2[lane] <= radius * radius) visit(i + lane);
+  const Lanes largest = Lanes::Constant(radius * radius);
+  const int end = track.offset + track.num_links;
+  const auto within = [&](int first) {
+    const Lanes3 apart = load3(state.position, first) - in_all_lanes(center);
+    return less_equal(dot(apart, apart), largest) & LaneMask::first(end - first);
+  };
+  for (int first = track.offset; first < end; first += k_lanes) {
+    LaneMask near = within(first);
+    if (const unsigned bits = bits_of(near); bits == 0) {
+      continue;
+    } else if (const int far = std::countr_zero(bits); far > 0) {
+      first += far;
+      near = within(first);
     }
+    visit(first, near);
   }
 }
 

@@ -1,185 +1,214 @@
+#include <bit>
+
 #include "simulator/contacts.h"
 
 namespace grouser {
 namespace {
 
-/// A disc pair met by one link: the pair's centre in the link frame and the relative velocity of the two bodies there.
+constexpr double k_least_force = 1e-200;  // N; keeps 0 / 0 away from lanes that do not touch
+
+/// What the contacts of one track leave to be summed over lanes at its end.
+struct TrackSums {
+  Lanes energy = Lanes::Zero(), contact_power = Lanes::Zero(), friction_power = Lanes::Zero();
+  Lanes guide_offset = Lanes::Zero();
+};
+
+/// A disc pair met by eight links in a row, each in its own link frame L.
 struct Meeting {
   const CompiledTrack& track;
   const CompiledDiscs& discs;
-  const LinkView& link;
-  Vector3d center_from_link_W;  ///< pair centre less link centre
-  Vector3d center_from_base_W;  ///< pair centre less the base's centre of mass
-  Vector3d axle_W;              ///< unit vector along the axle
+  int first;        ///< link array index of lane 0
+  LaneMask near;    ///< lanes that count
+  Lanes3 center;    ///< the pair's centre from the link's [m]
+  Lanes3 axle;      ///< unit vector
+  Lanes3 spin;      ///< angular velocity of the pair against the link [rad/s]
+  Lanes3 velocity;  ///< of the pair's centre against the point of the link that stands there [m/s]
 };
+
+/// Force on a disc pair and its moment about the link's centre, L.
+struct PairLoad {
+  Lanes3 force = in_all_lanes(Vector3d::Zero()), torque = force;
+  void add(const Lanes3& point, const Lanes3& f) {
+    force = force + f;
+    torque = torque + cross(point, f);
+  }
+};
+
+void count(Workspace& work, ContactCase which, unsigned lanes) {
+  work.case_count[static_cast<std::size_t>(which)] += std::popcount(lanes);
+}
 
 /// Contact patch of a disc on the wheel path as an elastic foundation of stiffness k [N/m^2]: energy k/2 int delta^2 dx
 /// with delta = depth - x^2 / 2R over the part of the plate below the disc. Closed polynomials; smooth hand-over from
 /// link to link.
 struct Patch {
-  bool touching = false;
-  double force_x = 0.0, force_z = 0.0;  ///< on the disc, link frame, per unit k
-  double energy = 0.0;                  ///< per unit k
-  double center = 0.0;                  ///< x of the pressure's centroid from the disc centre
-  double width = 0.0;
+  Lanes force_x, force_z;  ///< on the disc, link frame, per unit k; zero where the disc does not touch
+  Lanes energy;            ///< per unit k
+  Lanes center;            ///< x of the pressure's centroid from the disc centre
+  Lanes width;
 };
 
-Patch foundation(double depth, double radius, double from, double to) {
-  Patch patch;
-  if (depth <= 0.0) return patch;
-  const double reach = std::sqrt(2.0 * radius * depth);
-  const double a = std::max(-reach, from), b = std::min(reach, to);
-  if (a >= b) return patch;
-  const double a3 = a * a * a, b3 = b * b * b;
-  const double area = depth * (b - a) - (b3 - a3) / (6.0 * radius);
-  if (area <= 0.0) return patch;
-  const double slope = depth * (b * b - a * a) / (2.0 * radius) - (b3 * b - a3 * a) / (8.0 * radius * radius);
-  patch.touching = true;
-  patch.force_x = -slope;
-  patch.force_z = area;
-  patch.energy = 0.5 * (depth * depth * (b - a) - depth * (b3 - a3) / (3.0 * radius) +
-                        (b3 * b * b - a3 * a * a) / (20.0 * radius * radius));
-  patch.center = radius * slope / area;
-  patch.width = b - a;
-  return patch;
+/// depth: 0 where there is none. The plate runs from `from` to `to` about the disc's centre.
+Patch foundation(const Lanes& depth, double radius, const Lanes& from, const Lanes& to) {
+  constexpr double k_least_area = 1e-200;
+  const double curvature = 1.0 / radius;
+  const Lanes reach = (2.0 * radius * depth).sqrt();
+  const Lanes begin = from.max(-reach), end = to.min(reach), none = Lanes::Zero();
+  const LaneMask over_plate = less(begin, end);
+  const Lanes a = choose(over_plate, begin, none), b = choose(over_plate, end, none), width = b - a;
+  const Lanes a2 = a * a, b2 = b * b, a3 = a2 * a, b3 = b2 * b, cubes = b3 - a3;
+  const Lanes area = (depth * width - (curvature / 6.0) * cubes).max(0.0);
+  const Lanes slope = (0.5 * curvature) * depth * (b2 - a2) - (0.125 * curvature * curvature) * (b2 * b2 - a2 * a2);
+  const Lanes energy =
+      0.5 * depth * (depth * width - (curvature / 3.0) * cubes) + (0.025 * curvature * curvature) * (b3 * b2 - a3 * a2);
+  return {-slope, area, energy, (radius * slope / area.max(k_least_area)).max(a).min(b), width};
 }
 
-void add_stability(Workspace& work, const CompiledTrack& track, int i, double stiffness, double damping, double x,
-                   double y, double z) {
-  const double mobility_n = 1.0 / track.mass + x * x / track.inertia.y() + y * y / track.inertia.x();
-  const double mobility_t = 1.0 / track.mass + z * z / track.inertia.y();
-  work.stability[0][i] += stiffness * mobility_n;
-  work.stability[1][i] += damping * mobility_t;
-}
-
-/// One disc on plate or edge. Returns whether it touches.
-bool touch_path(const Meeting& m, double stiffness, double lateral, const Vector3d& velocity_W, const Vector3d& spin_W,
-                LinkLoad& load, Workspace& work) {
+/// One disc on plate or edge. Returns the lanes that it touches.
+unsigned touch_path(const Meeting& m, double stiffness, double lateral, PairLoad& load, TrackSums& sums,
+                    Workspace& work) {
   const CompiledTrack& track = m.track;
-  const Vector3d disc_from_link = m.center_from_link_W + lateral * m.axle_W;
-  const Vector3d disc = m.link.rotation.transpose() * disc_from_link;
-  if (disc.z() < 0.0 || std::abs(disc.y()) > track.half_width) return false;
-  const double half = 0.5 * track.pitch, radius = m.discs.radius;
-  const Patch patch =
-      foundation(track.wheel_path_height - disc.z() + radius, radius, -half - disc.x(), half - disc.x());
-  if (!patch.touching) return false;
+  const CompiledContact& law = m.discs.contact;
+  const double half = 0.5 * track.pitch, radius = m.discs.radius, path = track.wheel_path_height;
+  const Lanes3 arm = lateral * m.axle, disc = m.center + arm;
+  const LaneMask above =
+      m.near & less_equal(Lanes::Zero(), disc.z) & less_equal(disc.y.abs(), Lanes::Constant(track.half_width));
+  const Lanes depth = choose(above, (path + radius) - disc.z, Lanes::Zero()).max(0.0);
+  const Patch patch = foundation(depth, radius, -half - disc.x, half - disc.x);
+  const unsigned touching = bits_of(less(Lanes::Zero(), patch.force_z));
+  if (touching == 0) return 0;
 
-  const Vector3d disc_velocity = velocity_W + spin_W.cross(lateral * m.axle_W);
-  const Vector3d rate = m.link.rotation.transpose() * (disc_velocity - m.link.velocity_at(disc_from_link));
-  const double fx = stiffness * patch.force_x, fz = stiffness * patch.force_z, elastic = std::sqrt(fx * fx + fz * fz);
-  const double closing = -(fx * rate.x() + fz * rate.z()) / elastic;
-  const double factor = normal_factor(m.discs.contact, closing), normal = elastic * factor;
+  const Lanes3 rate = m.velocity + cross(m.spin, arm);
+  const Lanes fx = stiffness * patch.force_x, fz = stiffness * patch.force_z;
+  const Lanes elastic = (fx * fx + fz * fz).sqrt();
+  const Lanes closing = -(fx * rate.x + fz * rate.z) / elastic.max(k_least_force);
+  const Lanes factor = (1.0 + law.rate * closing).max(0.0), normal = elastic * factor;
 
-  const Vector3d patch_in_link(disc.x() + patch.center, disc.y(), track.wheel_path_height);
-  const Vector3d patch_from_link = m.link.rotation * patch_in_link;
-  const Vector3d rim_velocity = disc_velocity + spin_W.cross(patch_from_link - disc_from_link);
-  Vector3d slip = m.link.rotation.transpose() * (rim_velocity - m.link.velocity_at(patch_from_link));
-  slip.z() = 0.0;
-  const double q = sliding_friction(m.discs.contact, normal, slip.squaredNorm());
+  const Lanes3 place{disc.x + patch.center, disc.y, Lanes::Constant(path)};
+  const Lanes3 slip = m.velocity + cross(m.spin, place - m.center);
+  const Lanes slip2 = slip.x * slip.x + slip.y * slip.y;
+  const Lanes q =
+      (law.friction * normal / (slip2 + law.friction_speed * law.friction_speed).sqrt()).min(law.friction_slope_limit);
+  load.add(disc, {fx * factor, Lanes::Zero(), fz * factor});
+  load.add(place, {-q * slip.x, -q * slip.y, Lanes::Zero()});
 
-  const Vector3d push = m.link.rotation * Vector3d(fx * factor, 0.0, fz * factor);
-  const Vector3d drag = m.link.rotation * Vector3d(-q * slip);
-  const Vector3d base_offset = m.center_from_base_W - m.center_from_link_W;
-  work.chassis.add_force(m.discs.body, base_offset + disc_from_link, push);
-  work.chassis.add_force(m.discs.body, base_offset + patch_from_link, drag);
-  load.add(disc_from_link, -push);
-  load.add(patch_from_link, -drag);
-
-  const double steepest = std::min(m.discs.contact.friction_slope_limit,
-                                   m.discs.contact.friction * normal / m.discs.contact.friction_speed);
-  add_stability(work, track, m.link.index, stiffness * patch.width, 0.0, disc.x(), disc.y(), 0.0);
-  add_stability(work, track, m.link.index, 0.0, steepest, 0.0, 0.0, track.wheel_path_height);
-  work.stability[1][m.link.index] +=
-      elastic * m.discs.contact.rate * (1.0 / track.mass + disc.x() * disc.x() / track.inertia.y());
-  work.rim_damping[static_cast<std::size_t>(m.discs.body)] += steepest;
-  work.energy.contact += stiffness * patch.energy;
-  work.energy.contact_power += elastic * (factor - 1.0) * closing;
-  work.energy.friction_power += q * slip.squaredNorm();
-  return true;
+  const double moving = 1.0 / track.mass, pitching = 1.0 / track.inertia.y(), rolling = 1.0 / track.inertia.x();
+  const Lanes steepest = (law.friction / law.friction_speed * normal).min(law.friction_slope_limit);
+  const Lanes x_mobility = moving + pitching * disc.x * disc.x;
+  add_to(work.stability[0] + m.first, stiffness * patch.width * (x_mobility + rolling * disc.y * disc.y));
+  add_to(work.stability[1] + m.first, (moving + pitching * path * path) * steepest + law.rate * elastic * x_mobility);
+  work.rim_damping[static_cast<std::size_t>(m.discs.body)] += steepest.sum();
+  sums.energy += stiffness * patch.energy;
+  sums.contact_power += elastic * (factor - 1.0) * closing;
+  sums.friction_power += q * slip2;
+  return touching;
 }
 
 /// Centre guide between the discs: a tapered horn. With s the height of the rims' lowest points above the wheel path,
 /// the wall stands at half width t(s); wall penetration delta = |y| + t(s) - half gap, top overlap o = height - s. The
 /// energy is k/2 min(delta, o)^2 w(x), with the hat w over one pitch so that neighbouring horns share a wheel; its
-/// gradient gives the wall cases and, when a rim rides on the horn (o < delta), the top case.
-ContactCase touch_guide(const Meeting& m, const Vector3d& velocity_W, Workspace& work) {
+/// gradient gives the wall cases and, when a rim rides on the horn (o < delta), the top case. Returns the lanes
+/// touched.
+unsigned touch_guide(const Meeting& m, PairLoad& load, TrackSums& sums, Workspace& work) {
   const CompiledTrack& track = m.track;
-  const Vector3d center = m.link.rotation.transpose() * m.center_from_link_W;
-  const double weight = 1.0 - std::abs(center.x()) / track.pitch;
-  const double s = center.z() - m.discs.radius - track.wheel_path_height, overlap = track.guide_height - s;
-  if (weight <= 0.0 || overlap <= 0.0 || center.z() < 0.0) return ContactCase::guide_none;
-  const auto side = static_cast<std::size_t>(index_of(track.side));
-  work.lateral_guide_offset[side] = std::max(work.lateral_guide_offset[side], std::abs(center.y()));
+  const Lanes zero = Lanes::Zero(), one = Lanes::Ones(), aside = m.center.y.abs();
+  const Lanes weight = 1.0 - (1.0 / track.pitch) * m.center.x.abs();
+  const Lanes s = m.center.z - (m.discs.radius + track.wheel_path_height), overlap = track.guide_height - s;
+  const LaneMask engaged = m.near & less(zero, weight) & less(zero, overlap) & less_equal(zero, m.center.z);
+  sums.guide_offset = sums.guide_offset.max(choose(engaged, aside, zero));
 
-  const double taper = s > 0.0 ? (track.guide_half_base - track.guide_half_top) / track.guide_height : 0.0;
-  const double wall = std::abs(center.y()) + track.guide_half_base - taper * s - m.discs.half_gap;
-  if (wall <= 0.0) return ContactCase::guide_none;
-  const double sign = center.y() > 0.0 ? 1.0 : -1.0;
-  const bool top = overlap < wall;
-  const double depth = top ? overlap : wall, k = track.guide.stiffness * weight;
-  Vector3d force(0.5 * track.guide.stiffness * depth * depth * (center.x() > 0.0 ? 1.0 : -1.0) / track.pitch, 0.0, 0.0);
-  if (top) {
-    force.z() = k * depth;
-  } else {
-    force.y() = -sign * k * depth;
-    force.z() = taper * k * depth;
-  }
-  const double elastic = force.norm();
-  const Vector3d rate = m.link.rotation.transpose() * (velocity_W - m.link.velocity_at(m.center_from_link_W));
-  const double closing = -force.dot(rate) / elastic;
-  const double factor = normal_factor(track.guide, closing);
-  const Vector3d push = m.link.rotation * (factor * force);
-  work.chassis.add_force(m.discs.body, m.center_from_base_W, push);
-  LinkLoad load;
-  load.add(m.center_from_link_W, -push);
-  push_link(work, m.link.index, load, Partner::guide);
-  add_stability(work, track, m.link.index, k, 0.0, 0.0, 0.1, 0.0);
-  work.energy.contact += 0.5 * k * depth * depth;
-  work.energy.contact_power += elastic * (factor - 1.0) * closing;
-  if (top) return ContactCase::guide_top;
-  return sign < 0.0 ? ContactCase::guide_left_wall : ContactCase::guide_right_wall;
+  const double slope = (track.guide_half_base - track.guide_half_top) / track.guide_height;
+  const Lanes taper = choose(less(zero, s), slope * one, zero);
+  const Lanes wall = aside + (track.guide_half_base - m.discs.half_gap) - taper * s;
+  const LaneMask touching = engaged & less(zero, wall), top = less(overlap, wall), pair_left = less(zero, m.center.y);
+  const unsigned touched = bits_of(touching);
+  if (touched == 0) return 0;
+
+  const Lanes depth = choose(touching, overlap.min(wall), zero), k = track.guide.stiffness * weight;
+  const Lanes normal = k * depth, along = 0.5 * track.guide.stiffness / track.pitch * depth * depth;
+  const Lanes3 force{choose(less(zero, m.center.x), along, -along),
+                     choose(top, zero, choose(pair_left, -normal, normal)), choose(top, normal, taper * normal)};
+  const Lanes elastic = dot(force, force).sqrt();
+  const Lanes closing = -dot(force, m.velocity) / elastic.max(k_least_force);
+  const Lanes factor = (1.0 + track.guide.rate * closing).max(0.0);
+  load.add(m.center, factor * force);
+  const double arm = 0.1;  // m, of a force aside about the link's long axis
+  add_to(work.stability[0] + m.first, choose(touching, (1.0 / track.mass + arm * arm / track.inertia.x()) * k, zero));
+  sums.energy += 0.5 * normal * depth;
+  sums.contact_power += elastic * (factor - 1.0) * closing;
+  count(work, ContactCase::guide_top, touched & bits_of(top));
+  count(work, ContactCase::guide_right_wall, touched & ~bits_of(top) & bits_of(pair_left));
+  count(work, ContactCase::guide_left_wall, touched & ~bits_of(top) & ~bits_of(pair_left));
+  return touched;
 }
 
-void count(Workspace& work, ContactCase which) { ++work.case_count[static_cast<std::size_t>(which)]; }
+/// Puts the load on the pair, its reverse on the links, and books it to a partner.
+void push_apart(const Meeting& m, const PairLoad& load, Partner partner, const State& state, Workspace& work) {
+  const Lanes3 force = to_world(work, m.first, load.force), torque = to_world(work, m.first, load.torque);
+  const Lanes3 from_base = load3(state.position, m.first) - in_all_lanes(state.chassis.position);
+  Vector6d& on_pair = work.chassis.force[static_cast<std::size_t>(m.discs.body)];
+  on_pair.head<3>() += sum_of_lanes(cross(from_base, force) + torque);
+  on_pair.tail<3>() += sum_of_lanes(force);
+  subtract_from3(work.force_W, m.first, force);
+  subtract_from3(work.torque_W, m.first, torque);
+  subtract_from3(work.contact_force_W[static_cast<std::size_t>(partner)], m.first, force);
+}
 
-void meet(const Meeting& m, double stiffness_scale, Workspace& work) {
-  const Vector3d velocity = work.chassis.velocity_at(m.discs.body, m.center_from_base_W);
-  const Vector3d spin = work.chassis.angular_velocity_W[static_cast<std::size_t>(m.discs.body)];
-  const double stiffness = stiffness_scale * m.discs.contact.stiffness;
-  int touching = 0;
-  LinkLoad load;
+/// Both discs against wheel path and edges.
+void meet_path(const Meeting& m, double stiffness, const State& state, TrackSums& sums, Workspace& work) {
   const double outwards = m.track.lateral * m.discs.disc_offset;
-  for (const double lateral : {-outwards, outwards}) {
-    touching += touch_path(m, stiffness, lateral, velocity, spin, load, work) ? 1 : 0;
+  PairLoad load;
+  const unsigned inner = touch_path(m, stiffness, -outwards, load, sums, work);
+  const unsigned outer = touch_path(m, stiffness, outwards, load, sums, work);
+  if ((inner | outer) == 0) return;
+  push_apart(m, load, m.discs.partner, state, work);
+  const unsigned edge = bits_of(less(Lanes::Constant(0.5 * m.track.pitch), m.center.x.abs()));
+  count(work, ContactCase::one_disc_on_plate, (inner ^ outer) & ~edge);
+  count(work, ContactCase::two_discs_on_plate, inner & outer & ~edge);
+  count(work, ContactCase::one_disc_on_edge, (inner ^ outer) & edge);
+  count(work, ContactCase::two_discs_on_edge, inner & outer & edge);
+}
+
+void meet_guide(const Meeting& m, const State& state, TrackSums& sums, Workspace& work) {
+  PairLoad load;
+  const unsigned touched = touch_guide(m, load, sums, work);
+  count(work, ContactCase::guide_none, bits_of(m.near) & ~touched);
+  if (touched != 0) push_apart(m, load, Partner::guide, state, work);
+}
+
+void track_discs(const CompiledTrack& track, double stiffness_scale, const State& state, Workspace& work) {
+  // A link can touch while its centre is this much farther from the axle than the rim: half a link and the plate's
+  // height.
+  const double reach = std::hypot(track.pitch, std::max(track.wheel_path_height + track.guide_height, 0.0)) + 0.02;
+  TrackSums sums;
+  for (const CompiledDiscs& discs : track.discs) {
+    const auto body = static_cast<std::size_t>(discs.body);
+    const Vector3d from_base = work.chassis.origin_W[body], center_W = state.chassis.position + from_base;
+    const Lanes3 axle_W = in_all_lanes(work.chassis.rotation[body].col(1));
+    const Lanes3 spin_W = in_all_lanes(work.chassis.angular_velocity_W[body]);
+    const Lanes3 velocity_W = in_all_lanes(work.chassis.velocity_at(discs.body, from_base));
+    for_links_within(track, state, center_W, discs.radius + reach, [&](int first, const LaneMask& near) {
+      const Lanes3 center = to_links(work, first, in_all_lanes(center_W) - load3(state.position, first));
+      const Lanes3 turn = load3(state.angular_velocity, first);
+      const Lanes3 velocity = to_links(work, first, velocity_W - load3(state.velocity, first)) - cross(turn, center);
+      const Meeting meeting{
+          track,   discs, first, near, center, to_links(work, first, axle_W), to_links(work, first, spin_W) - turn,
+          velocity};
+      meet_path(meeting, stiffness_scale * discs.contact.stiffness, state, sums, work);
+      if (track.guide_height > 0.0) meet_guide(meeting, state, sums, work);
+    });
   }
-  if (touching > 0) {
-    push_link(work, m.link.index, load, m.discs.partner);
-    const double along = m.link.rotation.col(0).dot(m.center_from_link_W);
-    const bool edge = std::abs(along) > 0.5 * m.track.pitch;
-    count(work, edge ? (touching == 2 ? ContactCase::two_discs_on_edge : ContactCase::one_disc_on_edge)
-                     : (touching == 2 ? ContactCase::two_discs_on_plate : ContactCase::one_disc_on_plate));
-  }
-  if (m.track.guide_height > 0.0) count(work, touch_guide(m, velocity, work));
+  work.energy.contact += sums.energy.sum();
+  work.energy.contact_power += sums.contact_power.sum();
+  work.energy.friction_power += sums.friction_power.sum();
+  double& offset = work.lateral_guide_offset[static_cast<std::size_t>(index_of(track.side))];
+  offset = std::max(offset, sums.guide_offset.maxCoeff());
 }
 
 }  // namespace
 
 void disc_contacts(const System& system, const AssemblyKnobs& knobs, const State& state, Workspace& work) {
-  for (const CompiledTrack& track : system.tracks) {
-    // A link can touch while its centre is this much farther from the axle than the rim: half a link and the plate's
-    // height.
-    const double reach = std::hypot(track.pitch, std::max(track.wheel_path_height + track.guide_height, 0.0)) + 0.02;
-    for (const CompiledDiscs& discs : track.discs) {
-      const auto body = static_cast<std::size_t>(discs.body);
-      const Vector3d center = state.chassis.position + work.chassis.origin_W[body];
-      const Vector3d axle = work.chassis.rotation[body].col(1);
-      for_links_within(track, state, center, discs.radius + reach, [&](int i) {
-        const LinkView link = view_link(state, work, i);
-        meet({track, discs, link, center - link.position, work.chassis.origin_W[body], axle}, knobs.stiffness_scale,
-             work);
-      });
-    }
-  }
+  for (const CompiledTrack& track : system.tracks) track_discs(track, knobs.stiffness_scale, state, work);
 }
 
 }  // namespace grouser

@@ -1,6 +1,10 @@
 #pragma once
 #include <Eigen/Core>
+#include <algorithm>
+#include <array>
 #include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <vector>
 
 /// Eight neighbouring links or joints worked on at once. Track arrays are padded so that a block may be loaded at any
@@ -13,6 +17,54 @@ using Lanes = Eigen::Array<double, k_lanes, 1>;
 [[nodiscard]] inline Lanes load(const double* from) { return Eigen::Map<const Lanes>(from); }
 inline void store(double* to, const Lanes& value) { Eigen::Map<Lanes>{to} = value; }
 inline void add_to(double* to, const Lanes& value) { Eigen::Map<Lanes>{to} += value; }
+
+/// Yes or no for each of eight lanes: all bits of a lane set or none. Compared and chosen by the compiler's own
+/// vectors, for Eigen 3.4 takes such arrays apart lane by lane.
+class LaneMask {
+ public:
+  /// Yes for the lanes from 0 to count - 1.
+  [[nodiscard]] static LaneMask first(int count) {
+    return LaneMask(Bits{0, 1, 2, 3, 4, 5, 6, 7} < Bits{} + static_cast<std::int64_t>(count));
+  }
+  [[nodiscard]] static LaneMask less(const Lanes& a, const Lanes& b) { return LaneMask(values(a) < values(b)); }
+  [[nodiscard]] static LaneMask less_equal(const Lanes& a, const Lanes& b) { return LaneMask(values(a) <= values(b)); }
+  friend LaneMask operator&(const LaneMask& a, const LaneMask& b) { return LaneMask(a.bits() & b.bits()); }
+  friend LaneMask operator|(const LaneMask& a, const LaneMask& b) { return LaneMask(a.bits() | b.bits()); }
+  friend LaneMask operator!(const LaneMask& a) { return LaneMask(~a.bits()); }
+  /// `yes` where the mask says so, else `no`.
+  friend Lanes choose(const LaneMask& mask, const Lanes& yes, const Lanes& no) {
+    const Values chosen = mask.bits() ? values(yes) : values(no);
+    Lanes result;
+    std::memcpy(result.data(), &chosen, sizeof(Lanes));
+    return result;
+  }
+  /// Bit k of the result stands for lane k.
+  friend unsigned bits_of(const LaneMask& mask) {
+    const Bits set = mask.bits() & Bits{1, 2, 4, 8, 16, 32, 64, 128};
+    std::int64_t sum = 0;
+    for (int lane = 0; lane < k_lanes; ++lane) sum |= set[lane];
+    return static_cast<unsigned>(sum);
+  }
+
+ private:
+  using Values [[gnu::vector_size(sizeof(Lanes))]] = double;
+  using Bits [[gnu::vector_size(sizeof(Lanes))]] = std::int64_t;
+  explicit LaneMask(const Bits& bits) { std::memcpy(lane_.data(), &bits, sizeof(Lanes)); }
+  [[nodiscard]] static Values values(const Lanes& x) {
+    Values result;
+    std::memcpy(&result, x.data(), sizeof(Lanes));
+    return result;
+  }
+  [[nodiscard]] Bits bits() const {
+    Bits result;
+    std::memcpy(&result, lane_.data(), sizeof(Lanes));
+    return result;
+  }
+  alignas(Lanes) std::array<std::int64_t, k_lanes> lane_;
+};
+
+[[nodiscard]] inline LaneMask less(const Lanes& a, const Lanes& b) { return LaneMask::less(a, b); }
+[[nodiscard]] inline LaneMask less_equal(const Lanes& a, const Lanes& b) { return LaneMask::less_equal(a, b); }
 
 /// Three-vectors of eight links.
 struct Lanes3 {
@@ -28,6 +80,12 @@ template <typename Scale>
 [[nodiscard]] inline Lanes3 cross(const Lanes3& a, const Lanes3& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
+
+/// The same vector in every lane.
+[[nodiscard]] inline Lanes3 in_all_lanes(const Eigen::Vector3d& v) {
+  return {Lanes::Constant(v.x()), Lanes::Constant(v.y()), Lanes::Constant(v.z())};
+}
+[[nodiscard]] inline Eigen::Vector3d sum_of_lanes(const Lanes3& v) { return {v.x.sum(), v.y.sum(), v.z.sum()}; }
 
 /// `components` arrays of equal padded length, one after the other: component c of element i stands at data[c * length
 /// + i].
@@ -60,6 +118,12 @@ inline void store3(Field& field, int i, const Lanes3& value) {
   store(field[0] + i, value.x);
   store(field[1] + i, value.y);
   store(field[2] + i, value.z);
+}
+
+inline void subtract_from3(Field& field, int i, const Lanes3& value) {
+  add_to(field[0] + i, -value.x);
+  add_to(field[1] + i, -value.y);
+  add_to(field[2] + i, -value.z);
 }
 
 }  // namespace grouser

@@ -139,17 +139,19 @@ void sprocket_contacts(const System& system, const AssemblyKnobs& knobs, const S
     const Vector3d center = state.chassis.position + from_base;
     const double reach = sprocket.tip_radius + sprocket.pin_radius + 0.5 * track.pitch + 0.05;
     const double stiffness = knobs.stiffness_scale * sprocket.contact.stiffness;
-    for_links_within(track, state, center, reach, [&](int i) {
-      const LinkView link = view_link(state, work, i);
-      const Vector3d pin = -0.5 * track.pitch * link.rotation.col(0);
-      const Matrix3d& R_WS = work.chassis.rotation[body];
-      const Vector3d link_from_base = link.position - state.chassis.position;
-      const double outwards = track.lateral * sprocket.ring_offset;
-      for (const double ring : {-outwards, outwards}) {
-        const Vector3d arm = pin + ring * link.rotation.col(1);
-        meet_ring({track, link, arm, link_from_base + arm}, stiffness, R_WS, from_base, work);
+    for_links_within(track, state, center, reach, [&](int first, const LaneMask& near) {
+      for (unsigned left = bits_of(near); left != 0; left &= left - 1) {
+        const LinkView link = view_link(state, work, first + std::countr_zero(left));
+        const Vector3d pin = -0.5 * track.pitch * link.rotation.col(0);
+        const Matrix3d& R_WS = work.chassis.rotation[body];
+        const Vector3d link_from_base = link.position - state.chassis.position;
+        const double outwards = track.lateral * sprocket.ring_offset;
+        for (const double ring : {-outwards, outwards}) {
+          const Vector3d arm = pin + ring * link.rotation.col(1);
+          meet_ring({track, link, arm, link_from_base + arm}, stiffness, R_WS, from_base, work);
+        }
+        meet_sides({track, link, pin, link_from_base + pin}, R_WS, from_base, work);
       }
-      meet_sides({track, link, pin, link_from_base + pin}, R_WS, from_base, work);
     });
   }
 }
