@@ -15,6 +15,9 @@ namespace grouser {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
+/// Spatial vectors and matrices with two rows of zeros below, so that a column fills the machine's vectors.
+using PaddedVector = Eigen::Matrix<double, 8, 1>;
+using PaddedMatrix = Eigen::Matrix<double, 8, 6>;
 
 /// One revolute body. Its frame B has its origin on the joint axis and is parallel to the parent's frame P at angle 0.
 struct TreeBody {
@@ -60,6 +63,7 @@ struct TreeWorkspace {
   // by place_tree
   Matrix3d base_rotation;  ///< base -> W
   Vector3d base_angular_velocity_W;
+  std::vector<double> sine, cosine;          ///< of the joint angles, padded to whole lanes
   std::vector<Matrix3d> rotation;            ///< body -> W
   std::vector<Vector3d> origin_W;            ///< joint position less the base's centre of mass, W [m]
   std::vector<Vector3d> center_W;            ///< centre of mass less the base's centre of mass, W [m]
@@ -73,8 +77,9 @@ struct TreeWorkspace {
   Eigen::VectorXd
       joint_torque;  ///< applied along each axis by springs and dampers [N m]; prescribed: by tree_accelerations
   // by tree_accelerations
-  std::vector<Matrix6d> articulated;
-  std::vector<Vector6d> articulated_bias, projected, acceleration;
+  std::vector<PaddedMatrix> articulated;
+  std::vector<PaddedVector> articulated_bias, projected;
+  std::vector<Vector6d> acceleration;
   std::vector<double> axis_inertia, axis_force;
   double kinetic_energy = 0.0;  ///< J, whole tree
 
