@@ -195,7 +195,7 @@ double PlaneVehicle::ground_load(const VectorXd& y, int i) const {
       .force;
 }
 
-double PlaneVehicle::potential(const VectorXd& y, const Tensioner& tensioner) const {
+double PlaneVehicle::potential(const VectorXd& y, const Setting& setting) const {
   const Track& track = gear().track;
   double energy = 0.0;
   for (const Body& body : bodies(y)) energy += body.mass * gravity_ * body.z;
@@ -209,16 +209,17 @@ double PlaneVehicle::potential(const VectorXd& y, const Tensioner& tensioner) co
     const double depth = station.wheel.radius + track.wheel_path_height + track.ground_depth - wheel.y();
     energy += 2.0 * press(station.wheel, track, depth).energy;
   }
-  const double stretch = y[k_first_arm + num_stations_] - tensioner.free;
-  energy += tensioner.stiffness * stretch * stretch;  // both sides
+  const double stretch = y[k_first_arm + num_stations_] - setting.tensioner.free;
+  energy += setting.tensioner.stiffness * stretch * stretch;  // both sides
   const Belt line = belt(y);
   const double longer = line.length - track.num_links * track.pitch;
   const double mean_height = line.moment / line.length, mass = 2.0 * track.num_links * track.link.mass;
-  return energy + belt_stiffness() * longer * longer + mass * gravity_ * mean_height;
+  const double speed = setting.link_rate * line.length / track.num_links;
+  return energy + belt_stiffness() * longer * longer + mass * (gravity_ * mean_height - 0.5 * speed * speed);
 }
 
-VectorXd PlaneVehicle::settle(VectorXd y, const Tensioner& tensioner) const {
-  const auto energy = [&](const VectorXd& at) { return potential(at, tensioner); };
+VectorXd PlaneVehicle::settle(VectorXd y, const Setting& setting) const {
+  const auto energy = [&](const VectorXd& at) { return potential(at, setting); };
   const Eigen::Index n = y.size() - 1;  // surge is free
   for (int i = 0; i < 60; ++i) {
     VectorXd change = curvature(energy, y).bottomRightCorner(n, n).fullPivLu().solve(slope(energy, y).tail(n));
@@ -237,7 +238,7 @@ PlaneVehicle::Rest PlaneVehicle::stand(double tension, double stiffness) const {
   rest.tensioner.stiffness = stiffness * arm * arm;
   double before = 0.0, excess_before = 0.0;
   for (int i = 0; i < 60; ++i) {  // secant on the tensioner's free angle
-    rest.y = settle(rest.y, rest.tensioner);
+    rest.y = settle(rest.y, {rest.tensioner, 0.0});
     const double excess = upper_tension(rest.y) - tension;
     if (std::abs(excess) < 1e-3) break;
     const double newton = i == 0 ? 1e-3 : -excess * (rest.tensioner.free - before) / (excess - excess_before);
@@ -298,11 +299,8 @@ MatrixXd PlaneVehicle::mass_matrix(const VectorXd& y) const {
 }
 
 std::vector<PlaneVehicle::Mode> PlaneVehicle::modes(const Rest& rest, double stiffness) const {
-  const double arm = (gear().idler.wheel.center - gear().idler.pivot).norm();
-  Tensioner other{stiffness * arm * arm, 0.0};
-  const double angle = rest.y[rest.y.size() - 1];
-  other.free = angle - rest.tensioner.stiffness * (angle - rest.tensioner.free) / other.stiffness;
-  const MatrixXd k = curvature([&](const VectorXd&at) { return potential(at, other); }, rest.y),
+  const Setting setting{exchanged(rest, stiffness), 0.0};
+  const MatrixXd k = curvature([&](const VectorXd&at) { return potential(at, setting); }, rest.y),
                  m = mass_matrix(rest.y);
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(k, m);
   std::vector<Mode> found;
@@ -313,14 +311,14 @@ std::vector<PlaneVehicle::Mode> PlaneVehicle::modes(const Rest& rest, double sti
   return found;
 }
 
-double PlaneVehicle::support_stiffness(const Rest& rest) const {
-  // dL = g^T dy and K dy = -g dT: 1 / (g^T K^-1 g), the belt's own stretch taken out.
-  const auto length = [&](const VectorXd& at) { return belt(at).length; };
-  const auto energy = [&](const VectorXd& at) { return potential(at, rest.tensioner); };
-  const Eigen::Index n = rest.y.size() - 1;
-  const VectorXd g = slope(length, rest.y).tail(n);
-  const MatrixXd k = curvature(energy, rest.y).bottomRightCorner(n, n) - 2.0 * belt_stiffness() * g * g.transpose();
-  return 0.5 / g.dot(k.fullPivLu().solve(g));
+PlaneVehicle::Tensioner PlaneVehicle::exchanged(const Rest& rest, double stiffness) const {
+  const double lever = (gear().idler.wheel.center - gear().idler.pivot).norm(), angle = rest.y[rest.y.size() - 1];
+  const double turning = stiffness * lever * lever;
+  return {turning, angle - rest.tensioner.stiffness * (angle - rest.tensioner.free) / turning};
+}
+
+double PlaneVehicle::running_tension(const Rest& rest, double stiffness, double link_rate) const {
+  return upper_tension(settle(rest.y, {exchanged(rest, stiffness), link_rate}));
 }
 
 }  // namespace grouser::test

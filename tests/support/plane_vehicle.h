@@ -39,10 +39,10 @@ class PlaneVehicle {
   /// force is kept.
   [[nodiscard]] std::vector<Mode> modes(const Rest& rest, double stiffness) const;
 
-  /// dT/dL [N/m] of the belt whose wheels stand still.
-  [[nodiscard]] double belt_stiffness() const { return joint_stiffness_ / gear().track.num_links; }
-  /// dT/dL [N/m] of an inextensible belt that moves idler arm, tensioner, suspension and hull.
-  [[nodiscard]] double support_stiffness(const Rest& rest) const;
+  /// Tension of the upper run [N] when links pass at `link_rate` [1/s] in the rest's place, on a tensioner of
+  /// `stiffness` whose force at rest was that of `rest`. A belt that runs carries rho v^2 beside what presses on its
+  /// wheels: Routh's function has -(1/2) N m (link_rate L / N)^2 in its potential.
+  [[nodiscard]] double running_tension(const Rest& rest, double stiffness, double link_rate) const;
 
  private:
   struct Body {
@@ -52,16 +52,25 @@ class PlaneVehicle {
     double length = 0.0;  ///< m, of pin line
     double moment = 0.0;  ///< integral of z along it [m^2]
   };
+  /// What the potential depends on beside the coordinates.
+  struct Setting {
+    Tensioner tensioner;
+    double link_rate = 0.0;  ///< 1/s
+  };
   [[nodiscard]] const RunningGear& gear() const { return vehicle_.side(Side::left); }
   [[nodiscard]] std::vector<Body> bodies(const Eigen::VectorXd& y) const;
   [[nodiscard]] std::vector<Body> track_bodies(const Eigen::VectorXd& y) const;
   [[nodiscard]] Belt belt(const Eigen::VectorXd& y) const;
   [[nodiscard]] double upper_tension(const Eigen::VectorXd& y) const;
   [[nodiscard]] double ground_load(const Eigen::VectorXd& y, int station) const;
-  [[nodiscard]] double potential(const Eigen::VectorXd& y, const Tensioner& tensioner) const;
-  [[nodiscard]] Eigen::MatrixXd stiffness_matrix(const Eigen::VectorXd& y, const Tensioner& tensioner) const;
+  [[nodiscard]] double potential(const Eigen::VectorXd& y, const Setting& setting) const;
+  [[nodiscard]] Eigen::MatrixXd stiffness_matrix(const Eigen::VectorXd& y, const Setting& setting) const;
   [[nodiscard]] Eigen::MatrixXd mass_matrix(const Eigen::VectorXd& y) const;
-  [[nodiscard]] Eigen::VectorXd settle(Eigen::VectorXd y, const Tensioner& tensioner) const;
+  [[nodiscard]] Eigen::VectorXd settle(Eigen::VectorXd y, const Setting& setting) const;
+
+  [[nodiscard]] double belt_stiffness() const { return joint_stiffness_ / gear().track.num_links; }
+  /// A tensioner of `stiffness` [N/m] with the force of the rest's.
+  [[nodiscard]] Tensioner exchanged(const Rest& rest, double stiffness) const;
 
   Vehicle vehicle_;
   double joint_stiffness_, gravity_;

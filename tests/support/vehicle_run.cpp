@@ -49,6 +49,12 @@ Vehicle frictionless(Vehicle vehicle) {
   return vehicle;
 }
 
+VehicleScene on_ice() {
+  Scenario scenario = parked(frictionless(reference_vehicle()), linear_bushing(), 9.81);
+  scenario.terrain.friction = 0.0;
+  return at_rest(scenario);
+}
+
 void set_tensioner(double stiffness, VehicleScene& scene) {
   for (CompiledSuspension& spring : scene.system.suspension) {
     if (spring.kind != JointSpring::tensioner) continue;

@@ -22,6 +22,9 @@ ShortRun follow(const System& system, const State& start, const AssemblyKnobs& k
 /// Without friction at wheels, rollers, idlers and teeth.
 [[nodiscard]] Vehicle frictionless(Vehicle vehicle);
 
+/// The reference vehicle at rest with linear_bushing() and no friction anywhere, the ground included.
+[[nodiscard]] VehicleScene on_ice();
+
 /// Another tensioner with the force of the present one: the assembled vehicle stays at rest.
 void set_tensioner(double stiffness, VehicleScene& scene);
 

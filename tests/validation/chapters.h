@@ -7,6 +7,7 @@ namespace grouser::validation {
 void add_trees(Chapter& chapter);          ///< rigid-body trees against published numbers and other solvers
 void add_vehicle_rest(Chapter& chapter);   ///< the vehicle at rest: counts, loads, sag
 void add_vehicle_modes(Chapter& chapter);  ///< its heave and pitch frequencies
+void add_vehicle_track(Chapter& chapter);  ///< its track: hoop tension, waves, chordal action
 void add_integrator(Chapter& chapter);  ///< Chung-Lee's spectrum, order, trajectories; other integrators; tops
 void add_chains(Chapter& chapter);  ///< chains of links: momentum, hoop, catenary, vibration, waves
 

@@ -29,6 +29,7 @@ constexpr Family k_families[] = {
     {"chains", "Chains of links", add_chains},
     {"vehicle_rest", "The vehicle at rest", add_vehicle_rest},
     {"vehicle_modes", "Heave and pitch of the vehicle", add_vehicle_modes},
+    {"vehicle_track", "The track on the vehicle", add_vehicle_track},
 };
 
 struct Options {

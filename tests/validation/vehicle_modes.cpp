@@ -135,10 +135,8 @@ void add_modes(VehicleScene scene, const std::string& name, double tensioner_sti
 }  // namespace
 
 void add_vehicle_modes(Chapter& chapter) {
-  const Vehicle vehicle = frictionless(reference_vehicle());
-  Scenario scenario = parked(vehicle, linear_bushing(), 9.81);
-  scenario.terrain.friction = 0.0;
-  const VehicleScene scene = at_rest(scenario);
+  const VehicleScene scene = on_ice();
+  const Vehicle& vehicle = scene.system.scenario.vehicle;
   const RunningGear& gear = vehicle.side(Side::left);
   const PlaneVehicle plane(vehicle, 1e8, 9.81);
   const PlaneVehicle::Rest rest = plane.stand(gear.track.pre_tension, gear.idler.tensioner_stiffness);

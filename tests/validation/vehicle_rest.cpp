@@ -112,10 +112,8 @@ void add_shipped_rest(const VehicleScene& scene, Chapter& chapter) {
 }
 
 void add_smooth_rest(Chapter& chapter) {
-  const Vehicle vehicle = frictionless(reference_vehicle());
-  Scenario scenario = parked(vehicle, linear_bushing(), 9.81);
-  scenario.terrain.friction = 0.0;
-  const VehicleScene scene = at_rest(scenario);
+  const VehicleScene scene = on_ice();
+  const Vehicle& vehicle = scene.system.scenario.vehicle;
   const Track& track = vehicle.side(Side::left).track;
   const PlaneVehicle::Rest rest =
       PlaneVehicle(vehicle, 1e8, 9.81).stand(track.pre_tension, vehicle.side(Side::left).idler.tensioner_stiffness);
