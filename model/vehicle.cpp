@@ -167,6 +167,18 @@ void read_link(ObjectReader& r, Track& track) {
   });
 }
 
+/// A connector that is a body must leave something of the link to the shoe.
+void read_connector_body(ObjectReader& r, Track& track) {
+  const MassProperties body = read_mass_properties(r, BodyKind::at_own_origin);
+  track.connector.mass = body.mass;
+  track.connector.inertia = body.inertia;
+  track.connector.condensed = r.boolean_or("condensed", true);
+  const Vector3d shoe = track.link.inertia - lumped_inertia(track.connector, track.pitch);
+  if (body.mass < track.link.mass && shoe.minCoeff() > 0.0) return;
+  r.report(r.key_of("mass"), "a connector that leaves the link's shoe some mass and inertia",
+           Json(body.mass).dump() + " kg at either end of the link, together");
+}
+
 Track read_track(ObjectReader& r) {
   Track track;
   track.num_links = static_cast<int>(r.integer("links", 10));
@@ -174,13 +186,22 @@ Track read_track(ObjectReader& r) {
   track.connection = r.choice<Connection>(
       "connection", {{"single_pin", Connection::single_pin}, {"double_pin", Connection::double_pin}});
   if (track.connection == Connection::double_pin) {
-    track.connector_length = r.quantity("connector_length", d::length, Range::positive);
+    track.connector.length = r.quantity("connector_length", d::length, Range::positive);
+    if (track.connector.length >= track.pitch && r.has_quantity("connector_length") && r.has_quantity("pitch")) {
+      r.report(r.key_of("connector_length"), "a length below the pitch", Json(track.connector.length).dump() + " m");
+    }
   }
   track.pin_radius = r.quantity("pin_radius", d::length, Range::positive);
   track.pre_tension = r.quantity("pre_tension", d::force, Range::positive);
   track.pre_torsion = r.quantity_or("pre_torsion", d::angle, 0.0);
+  track.clearance = r.quantity_or("clearance", d::length, 0.0, Range::non_negative);
+  if (r.has_quantity("stop_angle")) track.stop_angle = r.quantity("stop_angle", d::angle, Range::positive);
+  track.stop_stiffness = r.quantity_or("stop_stiffness", d::angular_stiffness, track.stop_stiffness, Range::positive);
   track.bushing = r.text_or("bushing", "");
   r.object("link", [&](ObjectReader& link) { read_link(link, track); });
+  if (track.connection == Connection::double_pin) {
+    r.optional_object("connector", [&](ObjectReader& connector) { read_connector_body(connector, track); });
+  }
   return track;
 }
 

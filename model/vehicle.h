@@ -104,14 +104,29 @@ struct Sprocket {
 
 enum class Connection { single_pin, double_pin };
 
+/// What joins two shoes of a double-pin track: the end connectors and the centre connector of a joint, and its two
+/// pins, as one rigid body. Frame: x from pin to pin, origin half way.
+struct Connector {
+  double length = 0.0;                  ///< m, between its pins, > 0 and below the pitch
+  bool condensed = true;                ///< massless, placed by the balance of its bushings; else a body of its own
+  double mass = 0.0;                    ///< kg, part of the link's; > 0 for a body
+  Vector3d inertia = Vector3d::Zero();  ///< kg m^2 (xx, yy, zz), part of the link's
+};
+/// What connectors add to a link's inertia when half of one is fixed to either end, p / 2 from the link's centre
+/// [kg m^2].
+[[nodiscard]] inline Vector3d lumped_inertia(const Connector& connector, double pitch) {
+  const double carried = 0.25 * connector.mass * pitch * pitch;
+  return connector.inertia + Vector3d(0.0, carried, carried);
+}
+
 /// A track of identical links; all dimensions in the link frame L (origin at the centre of mass, x towards the next
 /// joint).
 struct Track {
   int num_links = 0;
-  double pitch = 0.0;  ///< m
-  MassProperties link;
+  double pitch = 0.0;   ///< m
+  MassProperties link;  ///< of a whole pitch, connectors included
   Connection connection = Connection::single_pin;
-  double connector_length = 0.0;        ///< m, double_pin only
+  Connector connector;                  ///< double_pin only
   double pin_radius = 0.0;              ///< m, where the sprocket drives
   double shoe_width = 0.0;              ///< m
   double ground_depth = 0.0;            ///< m, pin axis to ground face
@@ -127,6 +142,9 @@ struct Track {
   double guide_restitution = 0.835;         ///< at 1 m/s
   double pre_tension = 0.0;                 ///< N, mean of the upper run, THIS track, at rest
   double pre_torsion = 0.0;                 ///< rad per joint, > 0 = unloaded when wrapped inward
+  double clearance = 0.0;                   ///< m, radial play of every (worn) bushing before its rubber engages
+  std::optional<double> stop_angle;         ///< rad, back-bending of every hinge at which its stop begins
+  double stop_stiffness = 2e5;              ///< N m/rad, of the stop
   std::string bushing;                      ///< optional path overriding the scenario's bushing for this track
 };
 

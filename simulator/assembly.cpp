@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "model/errors.h"
+#include "simulator/bushings.h"
 #include "simulator/failures.h"
 #include "simulator/start_pose.h"
 #include "simulator/track_path.h"
@@ -206,6 +207,7 @@ Assembled assemble(const System& system, const Progress& progress) {
   close_chains(system, start);
   const StartPose pose = start_pose(system);
   if (!system.ground.level()) put_down(system, pose, start);
+  place_connectors(system, start);
 
   const System settling_copy = settling_system(system);
   Settling settling(settling_copy, std::move(start), idlers);

@@ -200,12 +200,24 @@ void archive(Archive& a, RunSeries::StepSum& sum) {
 }
 
 template <typename Archive>
+void archive(Archive& a, LoadMeasure& measure) {
+  auto& [largest, square_time] = measure;
+  a(largest, square_time);
+}
+
+template <typename Archive>
+void archive(Archive& a, RubberLoads& loads) {
+  auto& [time, torsion, torsion_moment, radial_force, axial_force, largest_deflection, largest_tension, least_tension] =
+      loads;
+  a(time, torsion, torsion_moment, radial_force, axial_force, largest_deflection, largest_tension, least_tension);
+}
+
+template <typename Archive>
 void archive(Archive& a, RunSeries& series) {
   auto& [time, x, y, yaw, speed, yaw_rate, ground_force, upper_tension, probe_time, probe_torque, rest_steps,
-         steady_steps, largest_deflection, largest_tension, least_tension, largest_guide_offset, skipped_teeth,
-         case_total] = series;
+         steady_steps, rubber, largest_guide_offset, skipped_teeth, case_total] = series;
   a(time, x, y, yaw, speed, yaw_rate, ground_force, upper_tension, probe_time, probe_torque, rest_steps, steady_steps,
-    largest_deflection, largest_tension, least_tension, largest_guide_offset, skipped_teeth, case_total);
+    rubber, largest_guide_offset, skipped_teeth, case_total);
 }
 
 }  // namespace grouser

@@ -112,6 +112,19 @@ void reserve_rubber(const CompiledTrack& track, System& system) {
   system.num_branch_rows = std::max(system.num_branch_rows, last.first_branch + static_cast<int>(last.branches.size()));
 }
 
+void compile_joints(const Track& from, CompiledTrack& track) {
+  track.groove = 0.5 * from.pitch;
+  track.free_twist = -from.pre_torsion;  // wrapping inward turns link i+1 by a negative angle about +y
+  track.clearance = from.clearance;
+  if (from.stop_angle) track.stop_angle = *from.stop_angle;
+  track.stop_stiffness = from.stop_stiffness;
+  if (from.connection == Connection::single_pin) return;
+  track.joint = from.connector.condensed ? JointForm::double_pin : JointForm::connector_bodies;
+  track.connector_length = from.connector.length;
+  track.groove -= 0.5 * from.connector.length;
+  track.free_twist *= 0.5;  // stated for the joint, shared by its two bushings
+}
+
 CompiledTrack compile_track(const RunningGear& gear, Side side, const Bushing& bushing, int offset) {
   const Track& from = gear.track;
   CompiledTrack track;
@@ -121,8 +134,7 @@ CompiledTrack compile_track(const RunningGear& gear, Side side, const Bushing& b
   track.pitch = from.pitch;
   track.mass = from.link.mass;
   track.inertia = from.link.inertia;
-  track.bushings_in_series = from.connection == Connection::double_pin ? 2 : 1;
-  track.free_twist = -from.pre_torsion;  // wrapping inward turns link i+1 by a negative angle about +y
+  compile_joints(from, track);
   compile_bushing(bushing, track);
   track.wheel_path_height = from.wheel_path_height;
   track.ground_depth = from.ground_depth;
@@ -144,8 +156,25 @@ CompiledTrack compile_track(const RunningGear& gear, Side side, const Bushing& b
   return track;
 }
 
-/// Padded length of a track's arrays: whole blocks, and one block more so that a load at i + 1 stays inside.
-int padded_length(int num_links) { return (num_links + k_lanes - 1) / k_lanes * k_lanes + k_lanes; }
+/// Room for connectors behind both tracks' links, and the bodies that every track is made of. A connector that is a
+/// body takes its mass from the two link ends that the condensed form lumps it into.
+void add_connectors(System& system) {
+  for (CompiledTrack& track : system.tracks) {
+    const Connector& connector = system.scenario.vehicle.side(track.side).track.connector;
+    if (track.joint != JointForm::single_pin) {
+      track.connector_offset = system.link_array_length;
+      system.link_array_length += padded_length(track.num_links);
+    }
+    if (track.joint == JointForm::connector_bodies) {
+      track.mass -= connector.mass;
+      track.inertia -= lumped_inertia(connector, track.pitch);
+    }
+    track.bodies.push_back({track.offset, track.num_links, track.mass, track.inertia});
+    if (track.joint == JointForm::connector_bodies) {
+      track.bodies.push_back({track.connector_offset, track.num_links, connector.mass, connector.inertia});
+    }
+  }
+}
 
 void add_running_gear(System& system, const RunningGear& gear, Side side, const DriveTable& drive) {
   auto& bodies = system.tree.bodies;
@@ -265,6 +294,8 @@ CompiledSpring compile_spring(const SpringSpline& given) {
   return spring;
 }
 
+int padded_length(int num_links) { return (num_links + k_lanes - 1) / k_lanes * k_lanes + k_lanes; }
+
 System compile(const Scenario& scenario) {
   System system;
   system.scenario = scenario;
@@ -282,12 +313,13 @@ System compile(const Scenario& scenario) {
     track = compile_track(gear, side, scenario.bushing_of(side), system.link_array_length);
     system.link_array_length += padded_length(track.num_links);
     add_running_gear(system, gear, side, scenario.drive[static_cast<std::size_t>(index_of(side))]);
-    mass += track.num_links * track.mass;
+    mass += track.num_links * track.mass;  // a link and its connector, whether that is a body or not
     reserve_rubber(track, system);
     // A bristle a point for the surface, and one more where half rounds stand on it.
     const std::size_t bristles = track.ground_points.size() * (system.ground.half_rounds().empty() ? 1 : 2);
     system.num_ground_rows = std::max(system.num_ground_rows, static_cast<int>(bristles));
   }
+  add_connectors(system);
   for (const TreeBody& body : system.tree.bodies) mass += body.mass;
   system.weight = mass * scenario.gravity;
   return system;
@@ -306,15 +338,20 @@ System compile_joint(const Bushing& bushing) {
 
 int System::num_bushings() const {
   int count = 0;
-  for (const CompiledTrack& track : tracks) count += track.num_links;
+  for (const CompiledTrack& track : tracks) count += (track.joint == JointForm::single_pin ? 1 : 2) * track.num_links;
   return count;
 }
-int System::num_bodies() const { return 1 + static_cast<int>(tree.bodies.size()) + num_bushings(); }
+int System::num_link_bodies() const {
+  int count = 0;
+  for (const CompiledTrack& track : tracks) {
+    for (const LinkBodies& bodies : track.bodies) count += bodies.count;
+  }
+  return count;
+}
+int System::num_bodies() const { return 1 + static_cast<int>(tree.bodies.size()) + num_link_bodies(); }
 int System::num_degrees_of_freedom() const {
   const int base = tree.base_fixed ? 0 : 6;
-  int links = 0;
-  for (const CompiledTrack& track : tracks) links += track.num_links;
-  return base + num_revolute_joints() + 6 * links;
+  return base + num_revolute_joints() + 6 * num_link_bodies();
 }
 int System::num_prescribed() const {
   return static_cast<int>(
@@ -323,8 +360,11 @@ int System::num_prescribed() const {
 
 std::string link_name(const System& system, int index) {
   for (const CompiledTrack& track : system.tracks) {
-    if (index < track.offset || index >= track.offset + track.num_links) continue;
-    return "link " + std::to_string(index - track.offset) + " of the " + name_of(track.side) + " track";
+    for (const LinkBodies& bodies : track.bodies) {
+      if (index < bodies.offset || index >= bodies.offset + bodies.count) continue;
+      const char* kind = bodies.offset == track.offset ? "link " : "connector ";
+      return kind + std::to_string(index - bodies.offset) + " of the " + name_of(track.side) + " track";
+    }
   }
   return "the chassis";
 }

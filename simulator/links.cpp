@@ -5,21 +5,29 @@
 namespace grouser {
 namespace {
 
-/// Sums that the joints on both sides put into a link's stability bound: S2 over stiffness, S1 over damping (P 3). The
-/// two joints of a link move against each other in the worst mode, hence the factor 2 on each.
-void add_joint_stability(const CompiledTrack& track, Workspace& work) {
-  const double half = 0.5 * track.pitch;
-  const double tx = 2.0 / track.mass;
-  const double tz = 2.0 * (1.0 / track.mass + half * half / track.inertia.y());
-  const double ty = 2.0 * (1.0 / track.mass + half * half / track.inertia.z());
-  const double rz = 2.0 / track.inertia.z(), rx = 2.0 / track.inertia.x(), ry = 2.0 / track.inertia.y();
-  const auto joint_sum = [&](const Field& k, int j) {
+/// What a unit force or moment at a joint, `arm` from the centre, accelerates; the two joints of a body move against
+/// each other in the worst mode, hence the factor 2 on each (P 3).
+struct Mobility {
+  double tx, ty, tz, rx, ry, rz;
+  Mobility(double mass, const Vector3d& inertia, double arm)
+      : tx(2.0 / mass),
+        ty(2.0 * (1.0 / mass + arm * arm / inertia.z())),
+        tz(2.0 * (1.0 / mass + arm * arm / inertia.y())),
+        rx(2.0 / inertia.x()),
+        ry(2.0 / inertia.y()),
+        rz(2.0 / inertia.z()) {}
+  [[nodiscard]] double of(const Field& k, int j) const {
     return std::max({tx * k[0][j], tz * k[2][j] + ry * k[4][j], ty * k[1][j] + rz * k[5][j], rx * k[3][j]});
-  };
+  }
+};
+
+/// Sums that the joints on both sides put into a link's stability bound: S2 over stiffness, S1 over damping.
+void add_joint_stability(const CompiledTrack& track, Workspace& work) {
+  const Mobility link(track.mass, track.inertia, 0.5 * track.pitch);
   const int first = track.offset, last = track.offset + track.num_links - 1;
-  double s2_before = joint_sum(work.joint_stiffness, last), s1_before = joint_sum(work.joint_damping, last);
+  double s2_before = link.of(work.joint_stiffness, last), s1_before = link.of(work.joint_damping, last);
   for (int i = first; i <= last; ++i) {
-    const double s2 = joint_sum(work.joint_stiffness, i), s1 = joint_sum(work.joint_damping, i);
+    const double s2 = link.of(work.joint_stiffness, i), s1 = link.of(work.joint_damping, i);
     work.stability[0][i] += s2 + s2_before;
     work.stability[1][i] += s1 + s1_before;
     s2_before = s2;
@@ -27,8 +35,23 @@ void add_joint_stability(const CompiledTrack& track, Workspace& work) {
   }
 }
 
-void find_bound(const CompiledTrack& track, double beta, Workspace& work) {
-  for (int i = track.offset; i < track.offset + track.num_links; ++i) {
+/// The same for links and connectors, each between two bushings.
+void add_connector_stability(const CompiledTrack& track, Workspace& work) {
+  const LinkBodies& connectors = track.bodies[1];
+  const Mobility link(track.mass, track.inertia, track.groove);
+  const Mobility connector(connectors.mass, connectors.inertia, 0.5 * track.connector_length);
+  const int n = track.num_links;
+  for (int k = 0; k < n; ++k) {
+    const int front = track.offset + k, rear = connectors.offset + k, behind = connectors.offset + (k + n - 1) % n;
+    for (const auto& [field, sum] : {std::pair(&work.joint_stiffness, 0), std::pair(&work.joint_damping, 1)}) {
+      work.stability[sum][front] += link.of(*field, front) + link.of(*field, behind);
+      work.stability[sum][rear] += connector.of(*field, front) + connector.of(*field, rear);
+    }
+  }
+}
+
+void find_bound(const LinkBodies& bodies, double beta, Workspace& work) {
+  for (int i = bodies.offset; i < bodies.offset + bodies.count; ++i) {
     const double h = stable_step(beta, work.stability[0][i], work.stability[1][i]);
     if (h < work.largest_stable_step) {
       work.largest_stable_step = h;
@@ -57,43 +80,53 @@ void turn(const State& now, const Lanes3& angle, int i, State& next) {
   store(next.orientation[3] + i, norm * rz);
 }
 
+void accelerate(const LinkBodies& bodies, const Vector3d& g, double mass_damping, const State& state, Workspace& work,
+                Acceleration& acceleration) {
+  const Vector3d& inertia = bodies.inertia;
+  Lanes kinetic = Lanes::Zero(), height = Lanes::Zero(), damped = Lanes::Zero();
+  for (int first = 0; first < bodies.count; first += k_lanes) {
+    const int i = bodies.offset + first;
+    const Lanes3 v = load3(state.velocity, i), w = load3(state.angular_velocity, i);
+    const Lanes3 force = load3(work.force_W, i), torque_W = load3(work.torque_W, i), p = load3(state.position, i);
+    const auto r = [&](int c) { return load(work.rotation[c] + i); };
+    const Lanes3 torque{r(0) * torque_W.x + r(3) * torque_W.y + r(6) * torque_W.z,
+                        r(1) * torque_W.x + r(4) * torque_W.y + r(7) * torque_W.z,
+                        r(2) * torque_W.x + r(5) * torque_W.y + r(8) * torque_W.z};
+    const double d = mass_damping;
+    store3(acceleration.linear, i,
+           {force.x / bodies.mass + g.x() - d * v.x, force.y / bodies.mass + g.y() - d * v.y,
+            force.z / bodies.mass + g.z() - d * v.z});
+    store3(acceleration.angular, i,
+           {(torque.x - (inertia.z() - inertia.y()) * w.y * w.z) / inertia.x() - d * w.x,
+            (torque.y - (inertia.x() - inertia.z()) * w.z * w.x) / inertia.y() - d * w.y,
+            (torque.z - (inertia.y() - inertia.x()) * w.x * w.y) / inertia.z() - d * w.z});
+    Lanes energy =
+        0.5 * (bodies.mass * dot(v, v) + inertia.x() * w.x * w.x + inertia.y() * w.y * w.y + inertia.z() * w.z * w.z);
+    Lanes lift = -bodies.mass * (g.x() * p.x + g.y() * p.y + g.z() * p.z);
+    for (int lane = bodies.count - first; lane < k_lanes; ++lane) energy[lane] = lift[lane] = 0.0;
+    kinetic += energy;
+    height += lift;
+    damped += 2.0 * d * energy;
+  }
+  work.energy.kinetic += kinetic.sum();
+  work.energy.gravity += height.sum();
+  work.energy.assembly_power += damped.sum();
+}
+
 }  // namespace
 
 void link_accelerations(const System& system, const AssemblyKnobs& knobs, const State& state, Workspace& work,
                         Acceleration& acceleration) {
-  const Vector3d& g = system.gravity_W;
   for (const CompiledTrack& track : system.tracks) {
-    add_joint_stability(track, work);
-    find_bound(track, system.scenario.integrator.beta, work);
-    const Vector3d& inertia = track.inertia;
-    Lanes kinetic = Lanes::Zero(), height = Lanes::Zero(), damped = Lanes::Zero();
-    for (int first = 0; first < track.num_links; first += k_lanes) {
-      const int i = track.offset + first;
-      const Lanes3 v = load3(state.velocity, i), w = load3(state.angular_velocity, i);
-      const Lanes3 force = load3(work.force_W, i), torque_W = load3(work.torque_W, i), p = load3(state.position, i);
-      const auto r = [&](int c) { return load(work.rotation[c] + i); };
-      const Lanes3 torque{r(0) * torque_W.x + r(3) * torque_W.y + r(6) * torque_W.z,
-                          r(1) * torque_W.x + r(4) * torque_W.y + r(7) * torque_W.z,
-                          r(2) * torque_W.x + r(5) * torque_W.y + r(8) * torque_W.z};
-      const double d = knobs.mass_damping;
-      store3(acceleration.linear, i,
-             {force.x / track.mass + g.x() - d * v.x, force.y / track.mass + g.y() - d * v.y,
-              force.z / track.mass + g.z() - d * v.z});
-      store3(acceleration.angular, i,
-             {(torque.x - (inertia.z() - inertia.y()) * w.y * w.z) / inertia.x() - d * w.x,
-              (torque.y - (inertia.x() - inertia.z()) * w.z * w.x) / inertia.y() - d * w.y,
-              (torque.z - (inertia.y() - inertia.x()) * w.x * w.y) / inertia.z() - d * w.z});
-      Lanes energy =
-          0.5 * (track.mass * dot(v, v) + inertia.x() * w.x * w.x + inertia.y() * w.y * w.y + inertia.z() * w.z * w.z);
-      Lanes lift = -track.mass * (g.x() * p.x + g.y() * p.y + g.z() * p.z);
-      for (int lane = track.num_links - first; lane < k_lanes; ++lane) energy[lane] = lift[lane] = 0.0;
-      kinetic += energy;
-      height += lift;
-      damped += 2.0 * d * energy;
+    if (track.joint == JointForm::connector_bodies) {
+      add_connector_stability(track, work);
+    } else {
+      add_joint_stability(track, work);
     }
-    work.energy.kinetic += kinetic.sum();
-    work.energy.gravity += height.sum();
-    work.energy.assembly_power += damped.sum();
+    for (const LinkBodies& bodies : track.bodies) {
+      find_bound(bodies, system.scenario.integrator.beta, work);
+      accelerate(bodies, system.gravity_W, knobs.mass_damping, state, work, acceleration);
+    }
   }
 }
 
@@ -124,19 +157,21 @@ LocalError link_error(const System& system, const ErrorWeights& weights, const A
   LocalError worst;
   for (const CompiledTrack& track : system.tracks) {
     const double arm = 0.5 * track.pitch;
-    for (int first = 0; first < track.num_links; first += k_lanes) {
-      const int i = track.offset + first;
-      const auto measure = [&](const Field& fn, const Field& f, const Field& fb) {
-        const Lanes3 f1 = load3(f, i), change = load3(fn, i) - f1, old = f1 - load3(fb, i), bend = change - r * old;
-        const Lanes last = dot(change, change), former = r * r * dot(old, old);
-        return Lanes((ev * ev * dot(bend, bend)).max(ed * ed * last.max(former)));
-      };
-      const Lanes linear = measure(next.linear, now.linear, before.linear);
-      const Lanes angular = arm * arm * measure(next.angular, now.angular, before.angular);
-      const Lanes error2 = linear.max(angular);
-      for (int lane = 0; lane < std::min(k_lanes, track.num_links - first); ++lane) {
-        if (std::isnan(error2[lane])) return {error2[lane], i + lane};
-        if (error2[lane] > worst.ratio) worst = {error2[lane], i + lane};
+    for (const LinkBodies& bodies : track.bodies) {
+      for (int first = 0; first < bodies.count; first += k_lanes) {
+        const int i = bodies.offset + first;
+        const auto measure = [&](const Field& fn, const Field& f, const Field& fb) {
+          const Lanes3 f1 = load3(f, i), change = load3(fn, i) - f1, old = f1 - load3(fb, i), bend = change - r * old;
+          const Lanes last = dot(change, change), former = r * r * dot(old, old);
+          return Lanes((ev * ev * dot(bend, bend)).max(ed * ed * last.max(former)));
+        };
+        const Lanes linear = measure(next.linear, now.linear, before.linear);
+        const Lanes angular = arm * arm * measure(next.angular, now.angular, before.angular);
+        const Lanes error2 = linear.max(angular);
+        for (int lane = 0; lane < std::min(k_lanes, bodies.count - first); ++lane) {
+          if (std::isnan(error2[lane])) return {error2[lane], i + lane};
+          if (error2[lane] > worst.ratio) worst = {error2[lane], i + lane};
+        }
       }
     }
   }

@@ -32,6 +32,9 @@ class Sheet {
   void result(const std::string& name, double value, const std::string& unit, const std::string& meaning) {
     summary_.results.push_back({name, value, unit, meaning});
   }
+  void results(const std::vector<RunResult>& more) {
+    summary_.results.insert(summary_.results.end(), more.begin(), more.end());
+  }
   void check(const std::string& name, double value, const std::string& unit, const std::string& limit, bool pass) {
     summary_.checks.push_back({name, value, unit, limit, pass});
   }
@@ -171,7 +174,7 @@ void range_results(const System& system, const RunSeries& series, Sheet& sheet) 
   for (int a = 0; a < k_num_axes; ++a) {
     const auto& valid = system.scenario.bushing.axes[static_cast<std::size_t>(a)].valid;
     if (!valid || valid->amplitude <= 0.0) continue;
-    const double largest = series.largest_deflection[static_cast<std::size_t>(a)];
+    const double largest = series.rubber.largest_deflection[static_cast<std::size_t>(a)];
     sheet.result(
         fmt::format("bushing_{}_largest_over_identified", k_axis_names[static_cast<std::size_t>(a)]),
         largest / valid->amplitude, "1",
@@ -180,8 +183,7 @@ void range_results(const System& system, const RunSeries& series, Sheet& sheet) 
 }
 
 void track_results(const RunSeries& series, Sheet& sheet) {
-  sheet.result("largest_tension_N", series.largest_tension, "N", "in any bushing at any step");
-  sheet.result("least_tension_N", series.least_tension, "N", "in any bushing at any step");
+  sheet.results(rubber_results(series.rubber));
   sheet.result("largest_guide_offset_m", series.largest_guide_offset, "m",
                "of a link from the middle of a wheel it meets");
   double skipped = 0.0;

@@ -6,6 +6,7 @@
 #include "model/run.h"
 #include "simulator/assembly.h"
 #include "simulator/energy_book.h"
+#include "simulator/rubber_watch.h"
 
 namespace grouser {
 
@@ -21,10 +22,9 @@ struct RunSeries {
     long count = 0;
     [[nodiscard]] double mean() const { return count > 0 ? time / static_cast<double>(count) : 0.0; }
   };
-  StepSum rest_steps, steady_steps;                     ///< sprockets nearly still; holding their speed
-  std::array<double, k_num_axes> largest_deflection{};  ///< m, rad; |deflection of one bushing| from its free state
-  double largest_tension = 0.0, least_tension = 0.0;    ///< N, any joint, any step
-  double largest_guide_offset = 0.0;                    ///< m
+  StepSum rest_steps, steady_steps;  ///< sprockets nearly still; holding their speed
+  RubberLoads rubber;
+  double largest_guide_offset = 0.0;  ///< m
   std::array<double, k_num_sides> skipped_teeth{};
   std::array<double, k_num_contact_cases> case_total{};  ///< summed over samples
 };

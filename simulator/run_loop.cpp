@@ -169,17 +169,12 @@ std::string remarks(const System& system, const RunSeries& series) {
   for (int a = 0; a < k_num_axes; ++a) {
     const auto axis = static_cast<std::size_t>(a);
     const auto& valid = system.scenario.bushing.axes[axis].valid;
-    if (!valid || valid->amplitude <= 0.0 || series.largest_deflection[axis] <= valid->amplitude) continue;
+    if (!valid || valid->amplitude <= 0.0 || series.rubber.largest_deflection[axis] <= valid->amplitude) continue;
     beyond += fmt::format("{} {} {:.2f} times", beyond.empty() ? "" : ",", k_axis_names[axis],
-                          series.largest_deflection[axis] / valid->amplitude);
+                          series.rubber.largest_deflection[axis] / valid->amplitude);
   }
-  std::string all;
-  if (!beyond.empty())
-    all = "; bushings deflected beyond what was identified (there the law is a straight line):" + beyond;
-  const bool in_series = std::any_of(system.tracks.begin(), system.tracks.end(),
-                                     [](const CompiledTrack& track) { return track.bushings_in_series > 1; });
-  if (in_series) all += "; double pin taken as two bushings in series, connector_length not used";
-  return all;
+  if (beyond.empty()) return beyond;
+  return "; bushings deflected beyond what was identified (there the law is a straight line):" + beyond;
 }
 
 }  // namespace grouser

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace grouser {
 namespace {
@@ -24,8 +23,6 @@ RunRecorder::RunRecorder(const System& system, const std::filesystem::path& file
       samples_(rows_, RunTable::samples, system.scenario.output.rate, writer_),
       probes_(rows_, RunTable::probes, system.scenario.output.probe_rate, writer_),
       steady_(steady_drive(system.scenario)) {
-  series_.least_tension = std::numeric_limits<double>::infinity();
-  series_.largest_tension = -std::numeric_limits<double>::infinity();
   for (const DriveTable& table : system.scenario.drive) {
     for (const double speed : table.speed) largest_rate_ = std::max(largest_rate_, std::abs(speed));
   }
@@ -42,7 +39,7 @@ void RunRecorder::record(const Snapshot& previous, const Snapshot& now, const St
                                    static_cast<double>(stepper.last_limit())};
   writer_.append(static_cast<std::size_t>(RunTable::steps), step);
   sum_steps(stepper);
-  watch_bushings(now.work);
+  watch_rubber(system_, now.work, stepper.last_step(), series_.rubber);
   for (const double offset : now.work.lateral_guide_offset)
     series_.largest_guide_offset = std::max(series_.largest_guide_offset, offset);
 }
@@ -78,23 +75,6 @@ void RunRecorder::sum_steps(const Stepper& stepper) {
     rate = std::max(rate, std::abs(stepper.state().chassis.rate[sprocket]));
   if (rate <= k_still_share * largest_rate_) series_.rest_steps.time += h, ++series_.rest_steps.count;
   if (steady_ && t > steady_->from && t <= steady_->to) series_.steady_steps.time += h, ++series_.steady_steps.count;
-}
-
-void RunRecorder::watch_bushings(const Workspace& work) {
-  for (const CompiledTrack& track : system_.tracks) {
-    const double* tension = work.bushing_force[0] + track.offset;
-    const auto [low, high] = std::minmax_element(tension, tension + track.num_links);
-    series_.least_tension = std::min(series_.least_tension, *low);
-    series_.largest_tension = std::max(series_.largest_tension, *high);
-    for (int a = 0; a < k_num_axes; ++a) {
-      const double free = a == index_of(Axis::ry) ? track.free_twist : 0.0;
-      double& largest = series_.largest_deflection[static_cast<std::size_t>(a)];
-      const double* deflection = work.deflection[a] + track.offset;
-      for (int i = 0; i < track.num_links; ++i) {
-        largest = std::max(largest, std::abs(deflection[i] - free) / track.bushings_in_series);
-      }
-    }
-  }
 }
 
 }  // namespace grouser

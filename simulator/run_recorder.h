@@ -35,7 +35,6 @@ class RunRecorder {
  private:
   void sample(const Snapshot& previous, const Snapshot& now);
   void sum_steps(const Stepper& stepper);
-  void watch_bushings(const Workspace& work);
 
   const System& system_;
   ChannelRows rows_;

@@ -35,11 +35,12 @@ Acceleration make_acceleration(const System& system) {
 
 void close_chains(const System& system, State& state) {
   for (const CompiledTrack& track : system.tracks) {
-    const int first = track.offset, last = track.offset + track.num_links;
-    const int end = &track == &system.tracks.back() ? system.link_array_length : (&track + 1)->offset;
-    for (Field* field : {&state.position, &state.orientation, &state.velocity, &state.angular_velocity}) {
-      for (int c = 0; c < field->components(); ++c) {
-        std::fill((*field)[c] + last, (*field)[c] + end, (*field)[c][first]);
+    for (const LinkBodies& bodies : track.bodies) {
+      const int first = bodies.offset, last = first + bodies.count, end = first + padded_length(bodies.count);
+      for (Field* field : {&state.position, &state.orientation, &state.velocity, &state.angular_velocity}) {
+        for (int c = 0; c < field->components(); ++c) {
+          std::fill((*field)[c] + last, (*field)[c] + end, (*field)[c][first]);
+        }
       }
     }
   }

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -73,6 +74,16 @@ struct CompiledSprocket {
   CompiledContact contact;  ///< stiffness per ring
 };
 
+/// How two links are joined.
+enum class JointForm { single_pin, double_pin, connector_bodies };
+
+/// Equal rigid bodies that stand one after the other in the link arrays.
+struct LinkBodies {
+  int offset = 0, count = 0;
+  double mass = 0.0;
+  Vector3d inertia = Vector3d::Zero();
+};
+
 struct CompiledTrack {
   Side side = Side::left;
   double lateral = 1.0;  ///< outwards along +-y: what comes in lateral pairs is worked through in this order
@@ -82,8 +93,16 @@ struct CompiledTrack {
   double mass = 0.0;
   Vector3d inertia = Vector3d::Zero();
   std::array<CompiledAxis, k_num_axes> bushing;
-  int bushings_in_series = 1;  ///< 2 for a double pin: each takes half the deflection
-  double free_twist = 0.0;     ///< hinge angle at which the bushing is free [rad]
+  JointForm joint = JointForm::single_pin;
+  double groove = 0.0;             ///< m, link centre to the middle of a bore
+  double connector_length = 0.0;   ///< m, between the pins of a double pin
+  int connector_offset = 0;        ///< double pin: first rear bushing in the arrays of joints, first connector in those
+                                   ///< of links
+  std::vector<LinkBodies> bodies;  ///< what is integrated: links, and connectors that are bodies
+  double free_twist = 0.0;         ///< hinge angle of a bushing at which it is free [rad]
+  double clearance = 0.0;          ///< m, radial play of every bushing
+  double stop_angle = std::numeric_limits<double>::infinity();  ///< rad of a hinge bent back, where its stop begins
+  double stop_stiffness = 0.0;                                  ///< N m/rad
   double wheel_path_height = 0.0, ground_depth = 0.0, half_width = 0.0;
   double guide_height = 0.0, guide_half_base = 0.0, guide_half_top = 0.0;
   CompiledContact guide;
@@ -127,7 +146,8 @@ struct System {
 
   [[nodiscard]] int num_bodies() const;
   [[nodiscard]] int num_revolute_joints() const { return static_cast<int>(tree.bodies.size()); }
-  [[nodiscard]] int num_bushings() const;
+  [[nodiscard]] int num_bushings() const;     ///< one a single pin, two a double pin
+  [[nodiscard]] int num_link_bodies() const;  ///< links, and connectors that are bodies
   [[nodiscard]] int num_degrees_of_freedom() const;
   [[nodiscard]] int num_prescribed() const;
 };
@@ -143,6 +163,9 @@ struct System {
 [[nodiscard]] double rate_coefficient(double restitution, double speed);
 
 [[nodiscard]] CompiledSpring compile_spring(const SpringSpline& spring);
+
+/// Length of the arrays of so many links: whole blocks, and one block more so that a load at i + 1 stays inside.
+[[nodiscard]] int padded_length(int num_links);
 
 /// "link 12 of the left track" for an index into the link arrays; "the chassis" for none.
 [[nodiscard]] std::string link_name(const System& system, int index);

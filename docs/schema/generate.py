@@ -297,8 +297,10 @@ LINK = record(**MASS_OF_PART, shoe_width=("length", POSITIVE), ground_depth=("le
               ground_contact=contact("stiffness", bristle_stiffness_=("stiffness", POSITIVE),
                                      bristle_damping_=("damping", NOT_NEGATIVE)))
 TRACK = record(links=whole(10), pitch=("length", POSITIVE), connection=one_of("single_pin", "double_pin"),
-               connector_length_=("length", POSITIVE), pin_radius=("length", POSITIVE), pre_tension=("force", POSITIVE),
-               pre_torsion_=("angle", NUMBER), bushing_=TEXT, link=LINK)
+               connector_length_=("length", POSITIVE), connector_=record(**MASS_OF_PART, condensed_=BOOLEAN),
+               pin_radius=("length", POSITIVE), pre_tension=("force", POSITIVE), pre_torsion_=("angle", NUMBER),
+               clearance_=("length", NOT_NEGATIVE), stop_angle_=("angle", POSITIVE),
+               stop_stiffness_=("angular stiffness", POSITIVE), bushing_=TEXT, link=LINK)
 SIDE = record(track_center_y=("length", NUMBER), sprocket=SPROCKET, idler=IDLER, support_rollers=list_of(DISCS),
               stations=list_of(STATION, 2), track=TRACK)
 COLOR = {"type": "string", "pattern": "^#[0-9a-fA-F]{6}$"}

@@ -67,7 +67,7 @@ TEST(DoublePin, NeedsALengthOfItsConnector) {
   const TemporaryFolder folder;
   EXPECT_THROW(static_cast<void>(read_vehicle(folder.write("v.json", json.dump()))), InputError);
   json["left"]["track"]["connector_length_mm"] = 63;
-  EXPECT_EQ(read_vehicle(folder.write("v.json", json.dump())).side(Side::right).track.connector_length, 0.063);
+  EXPECT_EQ(read_vehicle(folder.write("v.json", json.dump())).side(Side::right).track.connector.length, 0.063);
 }
 
 }  // namespace

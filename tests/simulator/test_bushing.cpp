@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "simulator/bushing_element.h"
 #include "tests/support/scenes.h"
 
 namespace grouser::test {
@@ -247,21 +248,6 @@ TEST(Bushing, ForceDoesNotCareWhereInTheWorldTheJointStands) {
       ASSERT_LT((get_vector(moved.work.force_W, i) - turn * f).norm(), 2e-5);
     }
   }
-}
-
-TEST(Bushing, TwoBushingsInSeriesHalveStiffnessAndShareTheStretch) {
-  Pair one(elastic_bushing()), two(elastic_bushing());
-  two.system.tracks[0].bushings_in_series = 2;
-  RandomPoses poses(7), same(7);
-  poses.pose(one, 1.0);
-  same.pose(two, 1.0);
-  one.evaluate();
-  two.evaluate();
-  for (int c = 0; c < 3; ++c) {
-    EXPECT_NEAR(two.work.bushing_force[c][0], 0.5 * one.work.bushing_force[c][0], 1e-6);
-    EXPECT_NEAR(two.work.bushing_torque[c][0], 0.5 * one.work.bushing_torque[c][0], 1e-6);
-  }
-  EXPECT_NEAR(two.work.energy.bushing, 0.5 * one.work.energy.bushing, 1e-9 * one.work.energy.bushing);
 }
 
 TEST(ArcTangent, IsWithinTwoUnitsInTheLastPlace) {

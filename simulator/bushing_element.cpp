@@ -1,0 +1,333 @@
+#include "simulator/bushing_element.h"
+
+#include <cmath>
+
+#include "model/bushing_law.h"
+
+namespace grouser {
+namespace {
+
+struct SpringLanes {
+  Lanes force, slope, energy;
+};
+
+struct SpringPoint {
+  double force, slope, energy;
+};
+
+SpringPoint evaluate_spring(const CompiledSpring& spring, double x) {
+  if (x >= spring.high) {
+    const double over = x - spring.high;
+    return {spring.high_force + spring.high_slope * over, spring.high_slope,
+            spring.high_energy + over * (spring.high_force + 0.5 * spring.high_slope * over)};
+  }
+  if (!(x > spring.low)) {
+    const double over = x - spring.low, force = spring.cubic[0][0];
+    return {force + spring.low_slope * over, spring.low_slope,
+            spring.energy[0] + over * (force + 0.5 * spring.low_slope * over)};
+  }
+  auto i = static_cast<std::size_t>(
+      spring.cell_interval[static_cast<std::size_t>((x - spring.low) * spring.cells_per_unit)]);
+  while (i + 1 < spring.cubic.size() && x >= spring.knot[i + 1]) ++i;
+  const auto& c = spring.cubic[i];
+  const double u = x - spring.knot[i];
+  return {c[0] + u * (c[1] + u * (c[2] + u * c[3])), c[1] + u * (2.0 * c[2] + u * 3.0 * c[3]),
+          spring.energy[i] + u * (c[0] + u * (c[1] / 2.0 + u * (c[2] / 3.0 + u * c[3] / 4.0)))};
+}
+
+SpringLanes evaluate_spring(const CompiledSpring& spring, const Lanes& x) {
+  SpringLanes result;
+  for (int lane = 0; lane < k_lanes; ++lane) {
+    const double value = x[lane];
+    const SpringPoint at = evaluate_spring(spring, spring.odd ? std::abs(value) : value);
+    result.force[lane] = spring.odd ? std::copysign(at.force, value) : at.force;
+    result.slope[lane] = at.slope;
+    result.energy[lane] = at.energy;
+  }
+  return result;
+}
+
+/// Translation of the pin against the groove in the frame of own, and its rate there.
+void translate(const BodyLanes& own, const BodyLanes& next, const ElementShape& shape, ElementKinematics& k) {
+  const Lanes3 groove = shape.groove * own.x;
+  k.pin_from_next = shape.pin * next.x;
+  const Lanes3 between = next.position - own.position;
+  k.pin_from_own = between + k.pin_from_next;
+  const Lanes3 gap = k.pin_from_own - groove;
+  // d/dt of R_i^T gap = R_i^T (v_pin - v_i - w_i x (pin - center_i))
+  const Lanes3 gap_rate = next.velocity + cross(next.angular_velocity, k.pin_from_next) - own.velocity -
+                          cross(own.angular_velocity, k.pin_from_own);
+  k.deflection[0] = dot(own.x, gap);
+  k.deflection[1] = dot(own.y, gap);
+  k.deflection[2] = dot(own.z, gap);
+  k.rate[0] = dot(own.x, gap_rate);
+  k.rate[1] = dot(own.y, gap_rate);
+  k.rate[2] = dot(own.z, gap_rate);
+}
+
+/// Swing-twist of q = conj(q_i) q_j: q = swing * twist with the twist about y. With n^2 = w^2 + y^2:
+///   phi = 2 atan2(y, w),  s_x = 2 (x w + z y) / n,  s_z = 2 (z w - x y) / n   (swing vector in frame i, 2 sin(angle/2)
+///   long).
+/// Jacobians from q' = q Omega_j / 2.
+void rotate(const BodyLanes& own, const BodyLanes& next, ElementKinematics& k) {
+  const Lanes aw = own.orientation[0], ax = -own.orientation[1], ay = -own.orientation[2], az = -own.orientation[3];
+  const auto& [bw, bx, by, bz] = next.orientation;
+  Lanes w = aw * bw - ax * bx - ay * by - az * bz;
+  Lanes x = aw * bx + ax * bw + ay * bz - az * by;
+  Lanes y = aw * by - ax * bz + ay * bw + az * bx;
+  Lanes z = aw * bz + ax * by - ay * bx + az * bw;
+  const Lanes sign = (w < 0.0).select(Lanes::Constant(-1.0), Lanes::Constant(1.0));
+  w *= sign, x *= sign, y *= sign, z *= sign;
+
+  const Lanes n2 = w * w + y * y, n = n2.sqrt(), inverse_n = n.inverse(), inverse_n2 = inverse_n * inverse_n;
+  const Lanes quarter = y / (w + n);  // tan(phi / 4)
+  k.deflection[4] = 8.0 * arc_tangent(quarter / (1.0 + (1.0 + quarter * quarter).sqrt()));
+  const Lanes a = x * w + z * y, b = z * w - x * y;
+  k.deflection[3] = 2.0 * a * inverse_n;
+  k.deflection[5] = 2.0 * b * inverse_n;
+
+  const Lanes p = w * z + x * y, q = y * z - w * x, zero = Lanes::Zero();
+  const Lanes a3 = a * inverse_n2 * inverse_n, b3 = b * inverse_n2 * inverse_n;
+  k.jacobian_ry = {p * inverse_n2, Lanes::Ones(), q * inverse_n2};
+  k.jacobian_rx = {(w * w - x * x - y * y + z * z) * inverse_n - a3 * q, zero,
+                   2.0 * (w * y - x * z) * inverse_n + a3 * p};
+  k.jacobian_rz = {-2.0 * (w * y + x * z) * inverse_n - b3 * q, zero,
+                   (w * w + x * x - y * y - z * z) * inverse_n + b3 * p};
+  const Lanes3 relative = next.angular_velocity - own.angular_velocity;
+  const Lanes3 relative_j{dot(next.x, relative), dot(next.y, relative), dot(next.z, relative)};
+  k.rate[3] = dot(k.jacobian_rx, relative_j);
+  k.rate[4] = dot(k.jacobian_ry, relative_j);
+  k.rate[5] = dot(k.jacobian_rz, relative_j);
+}
+
+/// One axis of eight joints over a step from `before` to `after`, whose rows it writes.
+struct AxisStep {
+  const CompiledAxis& axis;
+  const std::vector<MaxwellStep>& branch_step;  ///< one per branch of the axis
+  const History& before;
+  History& after;
+  int joint;  ///< the first of the eight
+  double h;
+  bool memory;
+};
+
+struct AxisForce {
+  Lanes force, stiffness, damping;  ///< restoring force, its dynamic tangents
+};
+
+/// Yields of an axis over those at displacement 0, when the step begins and when it ends: 1, or lanes of their own.
+template <typename Scale>
+struct YieldScales {
+  Scale before, after;
+};
+
+template <typename Scale>
+void add_stops(const AxisStep& step, const Lanes& dx, const YieldScales<Scale>& scales, AxisForce& sum,
+               ElementEnergy& energy) {
+  for (std::size_t s = 0; s < step.axis.stops.size(); ++s) {
+    const int row = step.axis.first_stop + static_cast<int>(s);
+    const double k = step.axis.stops[s].stiffness, yield = step.axis.stops[s].yield;
+    const Scale yield_before = yield * scales.before, yield_after = yield * scales.after;
+    const Lanes old = load(step.before.stop[row] + step.joint);
+    const Lanes moved = advance_stop(old, dx, yield_after);
+    store(step.after.stop[row] + step.joint, moved);
+    sum.force += k * moved;
+    sum.stiffness += k;
+    energy.stored += 0.5 * k * moved.square();
+    energy.step_loss += stop_dissipation(k, old, moved, dx, yield_before, yield_after);
+  }
+}
+
+/// Stops whose yields grow with the displacement: no stiffer than k, for a stop never rises faster than x. Out of line,
+/// so that laws without growth do not carry it.
+[[gnu::noinline]] void add_growing_stops(const AxisStep& step, const Lanes& x, const Lanes& dx, AxisForce& sum,
+                                         ElementEnergy& energy) {
+  const double growth = step.axis.yield_growth;
+  add_stops<Lanes>(step, dx, {yield_scale(growth, Lanes(x - dx)), yield_scale(growth, x)}, sum, energy);
+}
+
+void add_branches(const AxisStep& step, const Lanes& dx, AxisForce& sum, ElementEnergy& energy) {
+  for (std::size_t m = 0; m < step.axis.branches.size(); ++m) {
+    const int row = step.axis.first_branch + static_cast<int>(m);
+    const MaxwellBranch& branch = step.axis.branches[m];
+    const MaxwellStep& constants = step.branch_step[m];
+    const Lanes old = load(step.before.branch[row] + step.joint);
+    const Lanes moved = constants.decay * old + constants.gain * dx;
+    store(step.after.branch[row] + step.joint, moved);
+    sum.force += moved;
+    sum.stiffness += constants.gain;
+    energy.stored += moved.square() / (2.0 * branch.stiffness);
+    if (step.h > 0.0) energy.step_loss += maxwell_dissipation(branch, constants, old, moved, dx, step.h);
+  }
+}
+
+/// Restoring force of one axis for eight joints, its memory moved on by the step.
+AxisForce axis_force(const AxisStep& step, const Lanes& x, const Lanes& dx, const Lanes& rate, ElementEnergy& energy) {
+  const CompiledAxis& axis = step.axis;
+  const SpringLanes spring = evaluate_spring(axis.spring, x);
+  AxisForce sum{spring.force, spring.slope, Lanes::Constant(axis.viscous)};
+  energy.stored += spring.energy;
+  if (!step.memory) {
+    constexpr double k_assembly_damping_time = 4e-5;  // s; damper of the relaxed rubber, c = time * tangent
+    sum.damping = k_assembly_damping_time * spring.slope;
+  } else {
+    if (axis.yield_growth > 0.0) {
+      add_growing_stops(step, x, dx, sum, energy);
+    } else {
+      add_stops<double>(step, dx, {1.0, 1.0}, sum, energy);
+    }
+    add_branches(step, dx, sum, energy);
+  }
+  sum.force += sum.damping * rate;
+  energy.power += sum.damping * rate.square();
+  return sum;
+}
+
+/// A pin with radial play: what of its deflection the rubber feels, and how the rubber's forces act back on it.
+struct Play {
+  Lanes engaged;  ///< 1 beyond the play
+  Lanes share;    ///< d(felt)/d(deflection) across the radius: 1 - c / r, 0 within the play
+  Lanes gain;     ///< by what it is larger along the radius, over r^2: c / r^3
+  Lanes x, z;     ///< pin less groove [m]
+
+  Play(double clearance, const Lanes& pin_x, const Lanes& pin_z) : x(pin_x), z(pin_z) {
+    const Lanes r = (x * x + z * z).sqrt();
+    engaged = (r > clearance).cast<double>();
+    const Lanes over = engaged / r.max(clearance);
+    share = engaged - clearance * over;
+    gain = clearance * over.cube();
+  }
+  /// Jacobian of the felt deflection (symmetric) times (a, b): rates forth, forces back.
+  void apply(Lanes& a, Lanes& b) const {
+    const Lanes along = gain * (x * a + z * b);
+    a = share * a + along * x;
+    b = share * b + along * z;
+  }
+};
+
+/// The law of every axis for the deflections and rates that the rubber feels.
+void add_rubber(const RubberStep& step, const AxisLanes& felt, const AxisLanes& rate, int joint, RubberLoad& rubber) {
+  for (std::size_t a = 0; a < k_num_axes; ++a) {
+    const AxisStep axis_step{
+        step.track.bushing[a], step.branch_step[a], step.before, step.after, joint, step.h, step.memory};
+    const double free = a == static_cast<std::size_t>(Axis::ry) ? step.track.free_twist : 0.0;
+    const AxisForce sum = axis_force(axis_step, felt[a] - free, rubber.moved[a], rate[a], rubber.energy);
+    rubber.force[a] = sum.force;
+    rubber.stiffness[a] = sum.stiffness;
+    rubber.damping[a] = sum.damping;
+  }
+}
+
+/// The same with radial play.
+void add_worn_rubber(const RubberStep& step, const ElementKinematics& k, int joint, RubberLoad& rubber) {
+  const double clearance = step.track.clearance;
+  const Lanes last_x = load(step.before.deflection[0] + joint), last_z = load(step.before.deflection[2] + joint);
+  const Play play(clearance, k.deflection[0], k.deflection[2]), last(clearance, last_x, last_z);
+  AxisLanes felt = k.deflection, rate = k.rate;
+  felt[0] *= play.share;
+  felt[2] *= play.share;
+  rubber.moved[0] = felt[0] - last.share * last_x;
+  rubber.moved[2] = felt[2] - last.share * last_z;
+  play.apply(rate[0], rate[2]);
+  add_rubber(step, felt, rate, joint, rubber);
+  play.apply(rubber.force[0], rubber.force[2]);
+  for (const std::size_t a : {0, 2}) {
+    rubber.stiffness[a] *= play.engaged;
+    rubber.damping[a] *= play.engaged;
+  }
+}
+
+/// Back-bending beyond the stop: the links' own steel, an elastic stop without loss.
+void add_hinge_stop(const CompiledTrack& track, const Lanes& angle, RubberLoad& rubber) {
+  const Lanes over = (angle - track.stop_angle).max(0.0);
+  rubber.force[4] += track.stop_stiffness * over;
+  rubber.stiffness[4] += track.stop_stiffness * (over > 0.0).cast<double>();
+  rubber.energy.stored += 0.5 * track.stop_stiffness * over.square();
+}
+
+}  // namespace
+
+BodyLanes load_bodies(const State& state, const Workspace& work, int i) {
+  const auto axis = [&](int c) {
+    return Lanes3{load(work.rotation[c] + i), load(work.rotation[3 + c] + i), load(work.rotation[6 + c] + i)};
+  };
+  return {load3(state.position, i),
+          axis(0),
+          axis(1),
+          axis(2),
+          {load(state.orientation[0] + i), load(state.orientation[1] + i), load(state.orientation[2] + i),
+           load(state.orientation[3] + i)},
+          load3(state.velocity, i),
+          load3(work.angular_velocity_W, i)};
+}
+
+BodyLanes half_turned(const BodyLanes& bodies) {
+  BodyLanes turned = bodies;
+  turned.x = -1.0 * bodies.x;
+  turned.y = -1.0 * bodies.y;
+  const auto& [w, x, y, z] = bodies.orientation;
+  turned.orientation = {-z, y, -x, w};  // q (0, 0, 0, 1)
+  return turned;
+}
+
+ElementKinematics element_kinematics(const BodyLanes& own, const BodyLanes& next, const ElementShape& shape) {
+  ElementKinematics k;
+  translate(own, next, shape, k);
+  rotate(own, next, k);
+  return k;
+}
+
+RubberLoad rubber_load(const RubberStep& step, const ElementKinematics& k, int joint) {
+  RubberLoad rubber;
+  for (std::size_t a = 0; a < k_num_axes; ++a) {
+    const int row = static_cast<int>(a);
+    rubber.moved[a] = k.deflection[a] - load(step.before.deflection[row] + joint);
+    store(step.after.deflection[row] + joint, k.deflection[a]);
+  }
+  if (step.track.clearance > 0.0) {
+    add_worn_rubber(step, k, joint, rubber);
+  } else {
+    add_rubber(step, k.deflection, k.rate, joint, rubber);
+  }
+  if (std::isfinite(step.track.stop_angle)) add_hinge_stop(step.track, k.deflection[4], rubber);
+  return rubber;
+}
+
+AxisLanes slipping_tangent(const RubberStep& step, const RubberLoad& rubber, int joint) {
+  AxisLanes tangent = rubber.stiffness;
+  if (!step.memory) return tangent;
+  for (std::size_t a = 0; a < k_num_axes; ++a) {
+    const CompiledAxis& axis = step.track.bushing[a];
+    for (std::size_t s = 0; s < axis.stops.size(); ++s) {
+      const int row = axis.first_stop + static_cast<int>(s);
+      const Lanes trial = load(step.before.stop[row] + joint) + rubber.moved[a];
+      const auto slips = load(step.after.stop[row] + joint) != trial;
+      tangent[a] -= axis.stops[s].stiffness * slips.cast<double>();
+    }
+  }
+  return tangent;
+}
+
+ElementWrench element_wrench(const BodyLanes& own, const BodyLanes& next, const ElementKinematics& k,
+                             const AxisLanes& f) {
+  const Lanes3 force = -1.0 * (f[0] * own.x + f[1] * own.y + f[2] * own.z);
+  const Lanes3 torque_j = -1.0 * (f[3] * k.jacobian_rx + f[4] * k.jacobian_ry + f[5] * k.jacobian_rz);
+  const Lanes3 torque = torque_j.x * next.x + torque_j.y * next.y + torque_j.z * next.z;
+  return {force, cross(k.pin_from_next, force) + torque, cross(k.pin_from_own, force) + torque};
+}
+
+Lanes arc_tangent(const Lanes& x) {
+  const Lanes z = x * x;
+  const Lanes p = (((-8.750608600031904122785e-1 * z - 1.615753718733365076637e1) * z - 7.500855792314704667340e1) * z -
+                   1.228866684490136173410e2) *
+                      z -
+                  6.485021904942025371773e1;
+  const Lanes q =
+      ((((z + 2.485846490142306297962e1) * z + 1.650270098316988542046e2) * z + 4.328810604912902668951e2) * z +
+       4.853903996359136964868e2) *
+          z +
+      1.945506571482613964425e2;
+  return x + x * z * p / q;
+}
+
+}  // namespace grouser

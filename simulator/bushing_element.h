@@ -1,0 +1,80 @@
+#pragma once
+#include "simulator/workspace.h"
+
+/// The rubber bushing as an element between two rigid bodies, eight at once: the bore stands in the body `own` (frame
+/// i, the joint frame of the paper), the pin in the body `next` (frame j).
+namespace grouser {
+
+using AxisLanes = std::array<Lanes, k_num_axes>;
+
+/// Pose and motion of eight bodies in W.
+struct BodyLanes {
+  Lanes3 position, x, y, z;          ///< centre [m] and axes
+  std::array<Lanes, 4> orientation;  ///< body -> W, w, x, y, z
+  Lanes3 velocity, angular_velocity;
+};
+/// Eight neighbours out of the link arrays.
+[[nodiscard]] BodyLanes load_bodies(const State& state, const Workspace& work, int i);
+/// The same bodies in frames turned by half a turn about their own z: x and y reversed. A bushing in the rear bore of a
+/// shoe is one in a front bore, so turned.
+[[nodiscard]] BodyLanes half_turned(const BodyLanes& bodies);
+
+/// Where bore and pin stand on their bodies.
+struct ElementShape {
+  double groove = 0.0;  ///< m, middle of the bore ahead of own's centre
+  double pin = 0.0;     ///< m, pin ahead of next's centre
+};
+
+/// Deflections and their rates, and the lever arms that turn generalised forces into a wrench.
+struct ElementKinematics {
+  AxisLanes deflection;                ///< pin less groove in the frame of own [m]; swing rx, rz and hinge ry [rad]
+  AxisLanes rate;                      ///< m/s, rad/s
+  Lanes3 pin_from_own, pin_from_next;  ///< pin less body centre, W
+  Lanes3 jacobian_rx, jacobian_ry,
+      jacobian_rz;  ///< rate of each angle over the angular velocity of j against i, frame j
+};
+[[nodiscard]] ElementKinematics element_kinematics(const BodyLanes& own, const BodyLanes& next,
+                                                   const ElementShape& shape);
+
+/// What the energy book takes from eight bushings.
+struct ElementEnergy {
+  Lanes stored = Lanes::Zero(), power = Lanes::Zero(), step_loss = Lanes::Zero();
+};
+
+/// Restoring forces dual to the deflections, their dynamic tangents (every stop taken as sticking) and energies.
+struct RubberLoad {
+  AxisLanes force, stiffness, damping;
+  AxisLanes moved;  ///< by what the deflection that the rubber feels grew in the step
+  ElementEnergy energy;
+};
+
+/// The bushings of one track over a step: what they remember of the state before, and where they write their memory.
+struct RubberStep {
+  const CompiledTrack& track;
+  const std::array<std::vector<MaxwellStep>, k_num_axes>& branch_step;  ///< by axis, one per branch
+  const History& before;
+  History& after;
+  double h;     ///< s
+  bool memory;  ///< false: the rubber is taken as relaxed, with a plain damper
+};
+
+/// The law of eight bushings whose rows in the arrays of joints begin at `joint`. With a radial play c the rubber feels
+/// the deflection beyond it, (x, z) (1 - c / r) with r^2 = x^2 + z^2 > c^2, and nothing within; its forces are dual to
+/// (x, z). Beyond the stop angle the hinge carries stop_stiffness (angle - stop_angle) more. Writes their rows in
+/// step.after.
+[[nodiscard]] RubberLoad rubber_load(const RubberStep& step, const ElementKinematics& k, int joint);
+
+/// Tangent stiffness of `rubber` in this very step: slipping stops carry none [N/m, N m/rad].
+[[nodiscard]] AxisLanes slipping_tangent(const RubberStep& step, const RubberLoad& rubber, int joint);
+
+/// Force on `next` at the pin and its moments about both centres, all in W: `own` takes their opposite.
+struct ElementWrench {
+  Lanes3 force, torque_next, torque_own;
+};
+[[nodiscard]] ElementWrench element_wrench(const BodyLanes& own, const BodyLanes& next, const ElementKinematics& k,
+                                           const AxisLanes& force);
+
+/// Arc tangent of eight numbers in [-0.66, 0.66] to 2 ulp (rational approximation of Cephes atan; wrong by 1e-10 at 1).
+[[nodiscard]] Lanes arc_tangent(const Lanes& x);
+
+}  // namespace grouser
