@@ -30,6 +30,9 @@ constexpr Family k_families[] = {
     {"vehicle_rest", "The vehicle at rest", add_vehicle_rest},
     {"vehicle_modes", "Heave and pitch of the vehicle", add_vehicle_modes},
     {"vehicle_track", "The track on the vehicle", add_vehicle_track},
+    {"vehicle_drive", "Straight driving", add_vehicle_drive},
+    {"vehicle_turn", "Turning", add_vehicle_turn},
+    {"vehicle_slope", "On a slope", add_vehicle_slope},
 };
 
 struct Options {
