@@ -42,15 +42,22 @@ std::vector<double> columns(const Terrain& terrain) {
 
 }  // namespace
 
-Mesh terrain_mesh(const Terrain& terrain, double tread) {
+TerrainGrid terrain_grid(const Terrain& terrain, double tread) {
   const GroundSurface ground(terrain, tread);
-  const std::vector<double> x = rows(ground), y = columns(terrain);
+  TerrainGrid grid{rows(ground), columns(terrain), {}};
+  for (const double x : grid.x)
+    for (const double y : grid.y) grid.height.push_back(ground.top(x, y));
+  return grid;
+}
+
+Mesh terrain_mesh(const Terrain& terrain, double tread) {
+  const TerrainGrid grid = terrain_grid(terrain, tread);
   const auto at = [&](std::size_t i, std::size_t j) {
-    return Vector3d(x[i], y[j], ground.top(x[i], y[j])).cast<float>().eval();
+    return Vector3d(grid.x[i], grid.y[j], grid.height[i * grid.y.size() + j]).cast<float>().eval();
   };
   Mesh mesh;
-  for (std::size_t j = 0; j + 1 < y.size(); ++j) {
-    for (std::size_t i = 0; i + 1 < x.size(); ++i) {
+  for (std::size_t j = 0; j + 1 < grid.y.size(); ++j) {
+    for (std::size_t i = 0; i + 1 < grid.x.size(); ++i) {
       mesh.add_quad(at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1), {});
     }
   }

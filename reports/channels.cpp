@@ -55,15 +55,11 @@ std::vector<double> scaled(std::vector<double> values, double factor) {
   return values;
 }
 
-double drive_speed(const RunFolder& run, Side side, double t) {
+std::optional<double> asked_speed(const RunFolder& run, Side side, double t) {
   const DriveTable& table = run.scenario.drive[static_cast<std::size_t>(index_of(side))];
-  if (table.speed.empty()) return 0.0;  // not prescribed
-  const auto after = std::upper_bound(table.time.begin(), table.time.end(), t);
-  if (after == table.time.begin()) return table.speed.front();
-  if (after == table.time.end()) return table.speed.back();
-  const auto i = static_cast<std::size_t>(after - table.time.begin());
-  const double part = (t - table.time[i - 1]) / (table.time[i] - table.time[i - 1]);
-  return table.speed[i - 1] + part * (table.speed[i] - table.speed[i - 1]);
+  if (table.kind == DriveKind::torque) return std::nullopt;
+  const double asked = table_value(table.time, table.value(), t);
+  return table.kind == DriveKind::speed ? asked : asked / track_feed_speed(run, side, 1.0);
 }
 
 std::optional<TimeWindow> steady_window(const RunFolder& run) {
@@ -76,8 +72,8 @@ std::optional<TimeWindow> steady_window(const RunFolder& run) {
   for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
     const TimeWindow window{breaks[i], breaks[i + 1]};
     const bool steady = std::ranges::all_of(std::array{Side::left, Side::right}, [&](Side side) {
-      const double speed = drive_speed(run, side, window.begin);
-      return std::abs(speed) > 1e-6 && std::abs(drive_speed(run, side, window.end) - speed) < 1e-9;
+      const std::optional<double> from = asked_speed(run, side, window.begin), to = asked_speed(run, side, window.end);
+      return from && to && std::abs(*from) > 1e-6 && std::abs(*to - *from) < 1e-9;
     });
     if (steady && (!best || window.end - window.begin > best->end - best->begin)) best = window;
   }
@@ -103,12 +99,22 @@ std::vector<Probe> probes(const RunFolder& run) {
   return found;
 }
 
+std::vector<double> probe_column(const RunFolder& run, const std::string& channel, std::size_t component) {
+  const std::vector<Probe> all = probes(run);
+  if (all.empty()) missing(run, "/probes");
+  return require_column(run, all.front().path + channel, {component});
+}
+
 std::vector<double> upper_run_tension(const RunFolder& run, Side side) {
   return require_column(run, "/probes/upper_run_tension", {static_cast<std::size_t>(index_of(side))});
 }
 
 std::vector<double> sprocket_torque(const RunFolder& run, Side side) {
   return require_column(run, "/probes/sprocket_torque", {static_cast<std::size_t>(index_of(side))});
+}
+
+std::vector<double> sprocket_rate(const RunFolder& run, Side side) {
+  return require_column(run, "/joints/rate", {joint_index(run, side, "sprocket")});
 }
 
 std::vector<double> forward_speed(const RunFolder& run) {

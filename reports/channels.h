@@ -23,11 +23,12 @@ namespace grouser {
 struct TimeWindow {
   double begin = 0.0, end = 0.0;  ///< s
 };
-/// The longest stretch in which both sprockets are driven at constant, non-zero speed; none when there is no such
+/// The longest stretch in which both sprockets are asked for a constant, non-zero speed; none when there is no such
 /// stretch.
 [[nodiscard]] std::optional<TimeWindow> steady_window(const RunFolder& run);
-/// Prescribed sprocket speed at time t [rad/s].
-[[nodiscard]] double drive_speed(const RunFolder& run, Side side, double t);
+/// Sprocket speed that the scenario asks for at time t [rad/s]: prescribed, or what a driver's wish for the track's
+/// speed comes to; none where a torque is asked for.
+[[nodiscard]] std::optional<double> asked_speed(const RunFolder& run, Side side, double t);
 /// Speed at which the sprocket feeds the track without slip: teeth * pitch * omega / 2 pi [m/s].
 [[nodiscard]] double track_feed_speed(const RunFolder& run, Side side, double omega);
 
@@ -40,11 +41,16 @@ struct Probe {
 /// All probes, right side first (the paper shows a link of the right track).
 [[nodiscard]] std::vector<Probe> probes(const RunFolder& run);
 
+/// Component of a channel ("/bushing_force") of the first probe, at /probes/time; InputError when no link is probed.
+[[nodiscard]] std::vector<double> probe_column(const RunFolder& run, const std::string& channel, std::size_t component);
+
 /// Mean longitudinal force [N] over the bushings of the upper run, at /probes/time.
 [[nodiscard]] std::vector<double> upper_run_tension(const RunFolder& run, Side side);
 /// Torque [N m] that holds the sprocket to its prescribed speed, at /probes/time: the samples are close enough for the
 /// link-passing frequency and its harmonics.
 [[nodiscard]] std::vector<double> sprocket_torque(const RunFolder& run, Side side);
+/// Speed of a sprocket [rad/s], at /time.
+[[nodiscard]] std::vector<double> sprocket_rate(const RunFolder& run, Side side);
 /// Forward speed of the chassis origin, in the chassis' own heading [m/s].
 [[nodiscard]] std::vector<double> forward_speed(const RunFolder& run);
 

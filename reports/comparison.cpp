@@ -1,21 +1,160 @@
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "model/errors.h"
 #include "reports/channels.h"
 #include "reports/figure_block.h"
+#include "reports/input_differences.h"
 #include "reports/number_text.h"
 #include "reports/pages.h"
+#include "reports/result_names.h"
 #include "reports/run_figures.h"
 
 namespace grouser {
 namespace {
 
 using nlohmann::json;
+using Folders = std::vector<RunFolder>;
+
+// ----------------------------------------------------------------------------------------------------------- tables
+
+json no_number() { return {{"value", nullptr}, {"text", "–"}}; }
+
+/// Change from the first run as a fraction of it; none where the first is 0 or round-off.
+json change_facts(const std::optional<double>& first, const std::optional<double>& other) {
+  constexpr double k_round_off = 1e-9;
+  if (!first || !other || std::abs(*first) < k_round_off) return no_number();
+  const double change = (*other - *first) / std::abs(*first);
+  return {{"value", change}, {"text", signed_percent_text(change)}};
+}
+
+json difference_facts(const std::optional<double>& first, const std::optional<double>& other, const std::string& unit) {
+  if (!first || !other) return no_number();
+  json facts = result_facts(*other - *first, unit, 3);
+  if (*other > *first && !facts["text"].get<std::string>().starts_with("0 ") && facts["text"] != "0")
+    facts["text"] = "+" + facts["text"].get<std::string>();
+  return facts;
+}
+
+/// One line: the value of each run, "–" where a run does not have it; of two runs difference and change from the first,
+/// of more the change beside each value.
+template <typename Value>
+json row(const Folders& runs, const std::string& label, const std::string& unit, const Value& value) {
+  std::vector<std::optional<double>> numbers;
+  for (const RunFolder& run : runs) numbers.push_back(value(run.summary));
+  json cells = json::array();
+  for (std::size_t k = 0; k < numbers.size(); ++k) {
+    json cell = numbers[k] ? result_facts(*numbers[k], unit) : no_number();
+    cell["change"] = k > 0 && numbers.size() > 2 ? change_facts(numbers.front(), numbers[k]) : json(false);
+    cells.push_back(cell);
+  }
+  json facts{{"label", label}, {"cells", cells}, {"difference", false}, {"change", false}};
+  if (numbers.size() == 2) {
+    facts["difference"] = difference_facts(numbers[0], numbers[1], unit);
+    facts["change"] = change_facts(numbers[0], numbers[1]);
+  }
+  return facts;
+}
+
+/// Rows under their headings, in order of appearance.
+class GroupedRows {
+ public:
+  void add(const std::string& group, json row) {
+    for (json& known : groups_) {
+      if (known["title"] != group) continue;
+      known["rows"].push_back(std::move(row));
+      return;
+    }
+    groups_.push_back({{"title", group}, {"rows", json::array({std::move(row)})}});
+  }
+  [[nodiscard]] json groups() const { return groups_; }
+
+ private:
+  json groups_ = json::array();
+};
+
+void add_summary_rows(const Folders& runs, GroupedRows& rows) {
+  using Optional = std::optional<double>;
+  const auto add = [&](const char* group, const char* label, const char* unit, auto&& value) {
+    rows.add(group, row(runs, label, unit, [&](const RunSummary& s) -> Optional { return value(s); }));
+  };
+  add("Energy", "Sprocket work", "J", [](const RunSummary& s) { return s.energy.input; });
+  add("Energy", "Dissipated", "J", [](const RunSummary& s) { return s.energy.dissipated; });
+  add("Energy", "Residual over ∫|P| dt", "1", [](const RunSummary& s) { return s.energy.residual_fraction; });
+  add("Integration", "Simulated time", "s", [](const RunSummary& s) { return s.simulated_time; });
+  add("Integration", "Wall time", "s", [](const RunSummary& s) { return s.wall_time; });
+  add("Integration", "Force evaluations", "1",
+      [](const RunSummary& s) { return static_cast<double>(s.steps.force_evaluations); });
+  add("Integration", "Mean step", "s", [](const RunSummary& s) { return s.steps.mean; });
+  add("Integration", "Least step", "s", [](const RunSummary& s) { return s.steps.min; });
+}
+
+/// Every result of every run once; contact cases that no run met are left out, and the mean step, which stands already.
+json result_groups(const Folders& runs) {
+  GroupedRows rows;
+  std::vector<std::string> seen{"mean_step_s"};
+  const auto value_in = [](const RunSummary& summary, const std::string& name) -> std::optional<double> {
+    const auto found = std::ranges::find(summary.results, name, &RunResult::name);
+    return found == summary.results.end() ? std::nullopt : std::optional{found->value};
+  };
+  const auto met = [&](const std::string& name) {
+    return std::ranges::any_of(runs,
+                               [&](const RunFolder& run) { return value_in(run.summary, name).value_or(0.0) != 0.0; });
+  };
+  for (const RunFolder& run : runs)
+    for (const RunResult& result : run.summary.results) {
+      if (std::ranges::find(seen, result.name) != seen.end()) continue;
+      seen.push_back(result.name);
+      if (is_contact_count(result) && !met(result.name)) continue;
+      rows.add(result_group(result), row(runs, result_label(result), result.unit,
+                                         [&](const RunSummary& s) { return value_in(s, result.name); }));
+    }
+  add_summary_rows(runs, rows);
+  return rows.groups();
+}
+
+/// Every check of every run once, with what each run measured.
+json check_rows(const Folders& runs) {
+  json rows = json::array();
+  std::vector<std::string> seen;
+  for (const RunFolder& run : runs)
+    for (const RunCheck& check : run.summary.checks) {
+      if (std::ranges::find(seen, check.name) != seen.end()) continue;
+      seen.push_back(check.name);
+      json cells = json::array();
+      for (const RunFolder& other : runs) {
+        const auto found = std::ranges::find(other.summary.checks, check.name, &RunCheck::name);
+        const bool known = found != other.summary.checks.end();
+        json cell = known ? result_facts(found->value, found->unit) : no_number();
+        cell["known"] = known;
+        cell["pass"] = known && found->pass;
+        cell["limit"] = known ? found->limit : "";
+        cells.push_back(cell);
+      }
+      rows.push_back({{"label", check.name}, {"limit", check.limit}, {"cells", cells}});
+    }
+  return rows;
+}
+
+json difference_rows(const Folders& runs) {
+  json rows = json::array();
+  for (const InputDifference& difference : input_differences(runs)) {
+    json cells = json::array();
+    for (std::size_t k = 0; k < runs.size(); ++k)
+      cells.push_back(
+          {{"value", difference.numbers[k] ? json(*difference.numbers[k]) : json()}, {"text", difference.texts[k]}});
+    rows.push_back({{"label", difference.label}, {"unit", difference.unit}, {"cells", cells}});
+  }
+  return rows;
+}
+
+// ----------------------------------------------------------------------------------------------------------- figures
 
 /// One curve a run over time; runs without the data are passed over.
 template <typename Curve>
-Figure overlay(const std::vector<RunFolder>& runs, const std::string& name, const std::string& title,
-               const std::string& caption, const std::string& y_label, const std::string& time, const Curve& curve) {
+Figure overlay(const Folders& runs, const std::string& name, const std::string& title, const std::string& caption,
+               const std::string& y_label, const std::string& time, const Curve& curve) {
   Panel panel = time_panel("", y_label);
   for (const RunFolder& run : runs) {
     try {
@@ -28,63 +167,51 @@ Figure overlay(const std::vector<RunFolder>& runs, const std::string& name, cons
   return stacked_figure(name, title, caption, {std::move(panel)}, 260);
 }
 
-/// The value of each run for one line of the table, "–" where a run does not have it.
-template <typename Value>
-json row(const std::vector<RunFolder>& runs, const std::string& label, const std::string& unit, const Value& value) {
-  json cells = json::array();
-  for (const RunFolder& run : runs) {
-    const std::optional<double> number = value(run.summary);
-    cells.push_back(number ? quantity_facts(*number, unit) : json{{"value", nullptr}, {"text", "–"}});
-  }
-  return {{"label", label}, {"cells", cells}};
-}
-
-json table(const std::vector<RunFolder>& runs) {
-  using Optional = std::optional<double>;
-  json rows = json::array();
-  rows.push_back(row(runs, "simulated time", "s", [](const RunSummary& s) -> Optional { return s.simulated_time; }));
-  rows.push_back(row(runs, "wall time", "s", [](const RunSummary& s) -> Optional { return s.wall_time; }));
-  rows.push_back(row(runs, "mean step", "s", [](const RunSummary& s) -> Optional { return s.steps.mean; }));
-  rows.push_back(row(runs, "sprocket work", "J", [](const RunSummary& s) -> Optional { return s.energy.input; }));
-  rows.push_back(row(runs, "energy residual over ∫|P| dt", "1",
-                     [](const RunSummary& s) -> Optional { return s.energy.residual_fraction; }));
-  std::vector<std::string> seen;
-  for (const RunFolder& run : runs)
-    for (const RunResult& result : run.summary.results) {
-      if (std::ranges::find(seen, result.name) != seen.end()) continue;
-      seen.push_back(result.name);
-      rows.push_back(row(runs, result_label(result), result.unit, [&](const RunSummary& s) -> Optional {
-        const auto found = std::ranges::find(s.results, result.name, &RunResult::name);
-        return found == s.results.end() ? Optional{} : Optional{found->value};
-      }));
-    }
-  return rows;
-}
-
-}  // namespace
-
-json comparison_facts(const std::vector<RunFolder>& runs, const std::string& id, int level) {
-  json facts{{"id", id},
-             {"figure_level", level + 1},
-             {"runs", json::array()},
-             {"rows", table(runs)},
-             {"figures", json::array()}};
-  for (const RunFolder& run : runs) {
-    const bool pass =
-        run.summary.status == RunStatus::completed && std::ranges::all_of(run.summary.checks, &RunCheck::pass);
-    facts["runs"].push_back({{"name", run.summary.name}, {"verdict", name_of(run.summary.status)}, {"pass", pass}});
-  }
+json overlay_figures(const Folders& runs, const std::string& id) {
   const std::vector<Figure> figures{
       overlay(runs, "compare_speed", "Speed", "Forward speed of each run.", "Speed v [m/s]", "/time",
               [](const RunFolder& run) { return forward_speed(run); }),
       overlay(runs, "compare_tension", "Tension of the upper run",
               "Mean over the bushings of the upper run of the right track.", "Tension [kN]", "/probes/time",
               [](const RunFolder& run) { return scaled(upper_run_tension(run, Side::right), 1e-3); }),
+      overlay(runs, "compare_link_tension", "Tension in one bushing",
+              "Longitudinal force in the first probed bushing of each run as its link runs round the track.",
+              "Tension [kN]", "/probes/time",
+              [](const RunFolder& run) { return scaled(probe_column(run, "/bushing_force", 0), 1e-3); }),
       overlay(runs, "compare_torque", "Sprocket torque", "Drive torque of the right sprocket.", "Drive torque [kN m]",
-              "/probes/time", [](const RunFolder& run) { return scaled(sprocket_torque(run, Side::right), 1e-3); })};
+              "/probes/time", [](const RunFolder& run) { return scaled(sprocket_torque(run, Side::right), 1e-3); }),
+      overlay(runs, "compare_step", "Step size", "Accepted steps of the integrator.", "Step [ms]", "/steps/time",
+              [](const RunFolder& run) { return scaled(require_column(run, "/steps/size"), 1e3); })};
+  json blocks = json::array();
   for (const Figure& figure : figures)
-    if (!figure.panels.front().series.empty())
-      facts["figures"].push_back(figure_block(figure, id + "-figure-" + figure.name));
+    if (!figure.panels.front().series.empty()) blocks.push_back(figure_block(figure, id + "-figure-" + figure.name));
+  return blocks;
+}
+
+}  // namespace
+
+json comparison_facts(const Folders& runs, const std::string& id, int level) {
+  json facts{{"id", id},
+             {"figure_level", level + 1},
+             {"runs", json::array()},
+             {"two", runs.size() == 2},
+             {"span", runs.size() + (runs.size() == 2 ? 3 : 1)},
+             {"inputs", difference_rows(runs)},
+             {"groups", result_groups(runs)},
+             {"checks", check_rows(runs)},
+             {"figures", overlay_figures(runs, id)}};
+  facts["connection"] = connection_facts(runs);
+  facts["has_inputs"] = !facts["inputs"].empty();
+  facts["has_checks"] = !facts["checks"].empty();
+  facts["is_synthetic"] = std::ranges::any_of(runs, [](const RunFolder& run) {
+    return run.scenario.bushing.synthetic || !run.summary.provenance.synthetic.empty();
+  });
+  for (const RunFolder& run : runs) {
+    json verdict = run_verdict(run.summary);
+    verdict["name"] = run.summary.name;
+    verdict["status"] = name_of(run.summary.status);
+    facts["runs"].push_back(verdict);
+  }
   return facts;
 }
 

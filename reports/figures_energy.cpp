@@ -75,9 +75,10 @@ Series mean_of(const Series& steps, double duration) {
 std::vector<double> power_integral(const RunFolder& run, const std::vector<double>& time) {
   const std::vector<double> fine = require_column(run, "/probes/time");
   const std::vector<double> left = sprocket_torque(run, Side::left), right = sprocket_torque(run, Side::right);
+  const std::vector<double> left_rate = sprocket_rate(run, Side::left), right_rate = sprocket_rate(run, Side::right);
   const auto power = [&](std::size_t i) {
-    return std::abs(left[i] * drive_speed(run, Side::left, fine[i])) +
-           std::abs(right[i] * drive_speed(run, Side::right, fine[i]));
+    return std::abs(left[i] * table_value(time, left_rate, fine[i])) +
+           std::abs(right[i] * table_value(time, right_rate, fine[i]));
   };
   std::vector<double> integral(time.size(), 0.0);
   double sum = 0.0;

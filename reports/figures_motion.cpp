@@ -12,6 +12,47 @@ namespace {
 
 constexpr double k_degree = k_pi / 180.0;
 
+const DriveTable& drive_of(const RunFolder& run, Side side) {
+  return run.scenario.drive[static_cast<std::size_t>(index_of(side))];
+}
+
+/// The speed that the drivers of both sides wish for.
+Series wished_speed(const RunFolder& run, const std::vector<double>& time) {
+  Series wished{.name = "driver's wish", .x = time, .y = {}, .width = 1.2f, .hue = 6};
+  for (const double t : time) {
+    double sum = 0.0;
+    for (const Side side : {Side::left, Side::right})
+      sum += table_value(drive_of(run, side).time, drive_of(run, side).target_speed, t);
+    wished.y.push_back(0.5 * sum);
+  }
+  return wished;
+}
+
+/// The torque tables of the sprockets that a torque drives.
+std::optional<Panel> asked_torque(const RunFolder& run, const std::vector<double>& time) {
+  Panel panel = time_panel("Torque asked for", "Torque [kN m]");
+  for (const Side side : {Side::left, Side::right}) {
+    const DriveTable& table = drive_of(run, side);
+    if (table.kind != DriveKind::torque) continue;
+    Series torque{.name = name_of(side),
+                  .x = time,
+                  .y = {},
+                  .style = side == Side::left ? SeriesStyle::line : SeriesStyle::dashed};
+    for (const double t : time) torque.y.push_back(1e-3 * table_value(table.time, table.torque, t));
+    panel.series.push_back(std::move(torque));
+  }
+  return panel.series.empty() ? std::nullopt : std::optional(std::move(panel));
+}
+
+/// What the scenario asks of the sprockets, in a sentence.
+std::string asked_text(const RunFolder& run) {
+  const DriveKind left = drive_of(run, Side::left).kind, right = drive_of(run, Side::right).kind;
+  if (left != right) return "The sides are driven in different ways.";
+  if (left == DriveKind::speed) return "Their motion is prescribed.";
+  return left == DriveKind::torque ? "They turn under the torque asked for; no speed is."
+                                   : "A driver holds the speed wished for, within the power and torque of the engine.";
+}
+
 }  // namespace
 
 Panel time_panel(const std::string& title, const std::string& y_label) {
@@ -41,20 +82,25 @@ Figure figure_speed(const RunFolder& run) {
   Panel vehicle = time_panel("Vehicle", "Speed v [m/s]");
   vehicle.series.push_back({.name = "vehicle", .x = time, .y = forward_speed(run)});
   Series feed{.name = "track feed, mean of both sides", .x = time, .y = {}, .style = SeriesStyle::dashed};
-  for (const double t : time)
-    feed.y.push_back(0.5 * (track_feed_speed(run, Side::left, drive_speed(run, Side::left, t)) +
-                            track_feed_speed(run, Side::right, drive_speed(run, Side::right, t))));
+  const std::vector<double> left = sprocket_rate(run, Side::left), right = sprocket_rate(run, Side::right);
+  for (std::size_t i = 0; i < time.size(); ++i)
+    feed.y.push_back(0.5 * (track_feed_speed(run, Side::left, left[i]) + track_feed_speed(run, Side::right, right[i])));
   vehicle.series.push_back(std::move(feed));
+  if (drive_of(run, Side::left).kind == DriveKind::cruise && drive_of(run, Side::right).kind == DriveKind::cruise)
+    vehicle.series.push_back(wished_speed(run, time));
   Panel sprockets = time_panel("Sprockets", "Speed ω [rad/s]");
   for (const Side side : {Side::left, Side::right})
     sprockets.series.push_back({.name = name_of(side),
                                 .x = time,
-                                .y = require_column(run, "/joints/rate", {joint_index(run, side, "sprocket")}),
+                                .y = side == Side::left ? left : right,
                                 .style = side == Side::left ? SeriesStyle::line : SeriesStyle::dashed});
+  std::vector<Panel> panels{std::move(vehicle), std::move(sprockets)};
+  if (std::optional<Panel> torque = asked_torque(run, time)) panels.push_back(std::move(*torque));
   return stacked_figure("speed", "Speed",
                         "Forward speed of the chassis against the speed at which the sprockets feed the tracks "
-                        "(teeth × pitch × ω / 2π), and the sprocket speeds that drive the run.",
-                        {std::move(vehicle), std::move(sprockets)}, 190);
+                        "(teeth × pitch × ω / 2π), and the sprockets' speeds. " +
+                            asked_text(run),
+                        std::move(panels), 190);
 }
 
 Figure figure_path(const RunFolder& run) {
@@ -96,9 +142,9 @@ Figure figure_yaw_rate(const RunFolder& run) {
   std::string caption = "Yaw rate of the chassis about the vertical; positive turns left.";
   if (tread > 0.0) {
     Series no_slip{.name = "without slip", .x = time, .y = {}, .style = SeriesStyle::dashed};
-    for (const double t : time)
-      no_slip.y.push_back((track_feed_speed(run, Side::right, drive_speed(run, Side::right, t)) -
-                           track_feed_speed(run, Side::left, drive_speed(run, Side::left, t))) /
+    const std::vector<double> left = sprocket_rate(run, Side::left), right = sprocket_rate(run, Side::right);
+    for (std::size_t i = 0; i < time.size(); ++i)
+      no_slip.y.push_back((track_feed_speed(run, Side::right, right[i]) - track_feed_speed(run, Side::left, left[i])) /
                           tread);
     panel.series.push_back(std::move(no_slip));
     caption += " Without slip it would be the difference of the track speeds over the tread.";

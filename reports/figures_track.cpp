@@ -41,6 +41,10 @@ std::string probe_text(const Probe& probe) {
   return fmt::format("link {} of the {} track", probe.link, name_of(probe.side));
 }
 
+bool drives_by_torque(const RunFolder& run) {
+  return std::ranges::any_of(run.scenario.drive, [](const DriveTable& t) { return t.kind == DriveKind::torque; });
+}
+
 TimeWindow require_steady_window(const RunFolder& run) {
   const std::optional<TimeWindow> window = steady_window(run);
   if (!window)
@@ -124,7 +128,7 @@ Figure figure_contact_forces(const RunFolder& run) {
 Figure figure_contact_forces_zoom(const RunFolder& run) {
   const Probe probe = first_probe(run);
   const TimeWindow steady = require_steady_window(run);
-  const double speed = std::abs(track_feed_speed(run, probe.side, drive_speed(run, probe.side, steady.begin)));
+  const double speed = std::abs(track_feed_speed(run, probe.side, asked_speed(run, probe.side, steady.begin).value()));
   const Track& track = run.vehicle.side(probe.side).track;
   const double lap = track.num_links * track.pitch / speed;
   // The lap ends with the steady stretch, when transients of the drive have died away.
@@ -147,7 +151,9 @@ Figure figure_sprocket_torque(const RunFolder& run) {
                             .style = side_style(side),
                             .width = 1.1f});
   return stacked_figure("sprocket_torque", "Sprocket torque",
-                        "Torque that holds each sprocket to its prescribed speed; positive drives forward.",
+                        drives_by_torque(run)
+                            ? "Torque between chassis and sprocket; positive drives forward."
+                            : "Torque that holds each sprocket to its speed; positive drives forward.",
                         {std::move(panel)}, 260);
 }
 
@@ -174,7 +180,7 @@ Figure figure_torque_spectrum(const RunFolder& run) {
                             .width = 1.3f});
   }
   const double passing = run.vehicle.side(Side::right).sprocket.teeth *
-                         std::abs(drive_speed(run, Side::right, window.begin)) / (2.0 * k_pi);
+                         std::abs(asked_speed(run, Side::right, window.begin).value()) / (2.0 * k_pi);
   // Six harmonics tell the story; beyond them the line is fine print. Four decades below the peak is noise.
   double peak = 0.0;
   for (const Series& series : panel.series)

@@ -96,6 +96,58 @@ json rig_card(const std::filesystem::path& folder) {
   return card(folder, facts);
 }
 
+/// The first of the study's small multiples, from the numbers of its report.
+std::optional<Figure> study_picture(const json& report) {
+  if (!report["study"].is_object()) return std::nullopt;
+  const json& data = report["study"]["figure"]["tiles"][0]["data"];
+  const json& x = report["study"]["parameter"]["values"];
+  Panel panel{.title = data["title"], .x_label = data["x_label"], .y_label = data["y_label"]};
+  panel.log_x = x.front() > 0.0 && x.back() >= 4.0 * x.front().get<double>();
+  for (const json& series : data["series"])
+    panel.series.push_back({.name = series["name"],
+                            .x = series["x"],
+                            .y = series["y"],
+                            .style = series["name"] == "" ? SeriesStyle::points : SeriesStyle::line,
+                            .width = series["name"] == "" ? 3.5f : 1.8f,
+                            .hue = static_cast<int>(panel.series.size() / 2)});
+  Figure figure{.name = "study", .panels = {panel}};
+  figure.width = 800;
+  figure.height = 450;
+  return figure;
+}
+
+/// Runs that were compared in a folder of their own: a study of the demo.
+json study_card(const std::filesystem::path& folder) {
+  const json report = json::parse(read_whole(folder / "report.json"));
+  const json& runs = report["comparison"]["runs"];
+  const auto passed = std::ranges::count_if(runs, [](const json& run) { return run["pass"].get<bool>(); });
+  const bool all = passed == static_cast<long>(runs.size());
+  json facts{{"kind", "Study"}, {"title", report["page_title"]}};
+  facts["verdict"] = {{"pass", all},
+                      {"partial", passed > 0},
+                      {"text", all ? fmt::format("all {} runs complete and pass their checks", runs.size())
+                                   : fmt::format("{} of {} runs complete and pass their checks", passed, runs.size())}};
+  facts["numbers"] = json::array();
+  for (const json& run : runs) facts["numbers"].push_back({{"label", run["name"]}, {"text", run["status"]}});
+  facts["payload_picture"] = facts["payload_dark"] = false;
+  if (const std::optional<Figure> figure = study_picture(report)) {
+    facts["payload_picture"] = encoded(draw(*figure, Theme::light, 1.5));
+    facts["payload_dark"] = encoded(draw(*figure, Theme::dark, 1.5));
+    facts["alt"] = text_alternative(*figure);
+  }
+  facts["links"] = file_links(folder, {"report.html", "report.json"});
+  facts["is_synthetic"] = report["comparison"]["is_synthetic"];
+  return card(folder, facts);
+}
+
+/// A folder without a result of its own whose report compares the runs below it.
+bool holds_study(const std::filesystem::path& folder) {
+  for (const char* own : {"run.json", "fit.json", "replay.json"})
+    if (std::filesystem::exists(folder / own)) return false;
+  const std::filesystem::path report = folder / "report.json";
+  return std::filesystem::exists(report) && json::parse(read_whole(report)).value("compares", false);
+}
+
 }  // namespace
 
 void write_index(const std::filesystem::path& folder) {
@@ -108,6 +160,7 @@ void write_index(const std::filesystem::path& folder) {
     if (std::filesystem::exists(child / "fit.json")) page["cards"].push_back(fit_card(child));
     if (std::filesystem::exists(child / "replay.json")) page["cards"].push_back(rig_card(child));
     if (std::filesystem::exists(child / "run.json")) page["cards"].push_back(run_card(child));
+    if (holds_study(child)) page["cards"].push_back(study_card(child));
   }
   if (page["cards"].empty())
     throw InputError(InputFinding{folder.string(), "", "folders with a run.json or a fit.json", "none", ""});

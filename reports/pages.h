@@ -7,6 +7,7 @@
 #include "model/fit.h"
 #include "model/replay.h"
 #include "model/run.h"
+#include "reports/input_differences.h"
 
 /// The facts of a page, ready for its template and for its machine-readable twin: every number stands as `text` in the
 /// form that the page shows, beside its `value` in SI. Keys with k_payload_prefix hold base64 and only go to the page.
@@ -50,8 +51,18 @@ struct RigFolder {
 [[nodiscard]] nlohmann::json run_verdict(const RunSummary& summary);
 /// The few numbers of a run that a reader looks for first.
 [[nodiscard]] nlohmann::json run_headline(const RunSummary& summary);
-/// Several runs side by side: a table of every result and overlaid figures.
+/// The one number in which at least three runs differ, each having its own; none when they differ in another way.
+[[nodiscard]] std::optional<InputDifference> study_parameter(const std::vector<RunFolder>& runs);
+/// What follows that number, which `runs` rise with: two sentences, small multiples and a table.
+[[nodiscard]] nlohmann::json study_facts(const std::vector<RunFolder>& runs, const InputDifference& parameter,
+                                         const std::string& id, int level);
+/// Several runs side by side: the inputs in which they differ, every result with its difference from the first run, the
+/// checks of all, and overlaid figures.
 [[nodiscard]] nlohmann::json comparison_facts(const std::vector<RunFolder>& runs, const std::string& id, int level);
+
+/// {title, findings[], paper} on what the rubber of one bushing carries, of two runs of which one has single and the
+/// other double pins; else false.
+[[nodiscard]] nlohmann::json connection_facts(const std::vector<RunFolder>& runs);
 
 /// Several fits side by side, axis by axis: overlaid responses with their bands, and a table of the differences from
 /// the first fit against the intervals of both.
@@ -65,8 +76,6 @@ struct RigFolder {
 
 /// {value, text} of a value in SI.
 [[nodiscard]] nlohmann::json quantity_facts(double value, const std::string& unit, int digits = 4);
-/// "largest tension" of the result "largest_tension_N".
-[[nodiscard]] std::string result_label(const RunResult& result);
 /// Columns in which so many headline tiles stand well: the last row is nearly full.
 [[nodiscard]] int tile_columns(std::size_t num_tiles);
 /// {label, value, text} of one line of a table or one headline tile.

@@ -7,6 +7,7 @@
 
 #include "model/errors.h"
 #include "render/scene.h"
+#include "render/terrain_mesh.h"
 #include "reports/encode.h"
 #include "reports/number_text.h"
 #include "reports/pages.h"
@@ -147,6 +148,18 @@ class Recording {
   json scene_;
 };
 
+/// Ground that is not level: its grid's x, y and heights one after the other; `false` for the plane z = 0.
+json packed_terrain(const RunFolder& run) {
+  const Terrain& terrain = run.scenario.terrain;
+  if (terrain.level()) return false;
+  const double tread = run.vehicle.side(Side::left).track_center_y - run.vehicle.side(Side::right).track_center_y;
+  const TerrainGrid grid = terrain_grid(terrain, tread);
+  std::vector<float> values{static_cast<float>(grid.x.size()), static_cast<float>(grid.y.size())};
+  for (const std::vector<double>* part : {&grid.x, &grid.y, &grid.height})
+    for (const double value : *part) values.push_back(static_cast<float>(rounded(value)));
+  return packed(std::span<const float>(values));
+}
+
 }  // namespace
 
 json playback_facts(const RunFolder& run) {
@@ -161,6 +174,7 @@ json playback_facts(const RunFolder& run) {
     recording.add(pose, model.place(pose));
   }
   json facts = recording.facts(start, rate);
+  facts["payload_terrain"] = packed_terrain(run);
   facts["frames_text"] = fmt::format("{} poses a second of {} parts", number_text(rate, 3), recording.num_bodies());
   return facts;
 }

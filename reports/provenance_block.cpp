@@ -11,15 +11,6 @@ json quantity_facts(double value, const std::string& unit, int digits) {
   return {{"value", value}, {"unit", unit}, {"text", quantity_text(value, unit, digits)}};
 }
 
-std::string result_label(const RunResult& result) {
-  std::string suffix = "_";
-  for (const char c : result.unit) suffix += c == '/' ? std::string("_per_") : c == ' ' ? "_" : std::string(1, c);
-  std::string label = result.name;
-  if (label.size() > suffix.size() && label.ends_with(suffix)) label.resize(label.size() - suffix.size());
-  std::ranges::replace(label, '_', ' ');
-  return label;
-}
-
 int tile_columns(std::size_t num_tiles) {
   if (num_tiles <= 5) return static_cast<int>(num_tiles);
   return num_tiles == 6 ? 3 : num_tiles <= 8 ? 4 : 5;

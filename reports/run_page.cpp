@@ -12,6 +12,7 @@
 #include "reports/number_text.h"
 #include "reports/pages.h"
 #include "reports/report.h"
+#include "reports/result_names.h"
 
 namespace grouser {
 namespace {
@@ -105,17 +106,34 @@ json table_facts(const RunSummary& summary) {
   return tables;
 }
 
-bool is_contact_count(const RunResult& result) { return result.name.starts_with("mean_contacts_"); }
-
-/// The results that are mean numbers of contacts, without partners that nothing touched, or all the others.
-json result_facts(const RunSummary& summary, bool contacts) {
+/// The results but for the mean numbers of contacts.
+json result_rows(const RunSummary& summary) {
   json rows = json::array();
   for (const RunResult& result : summary.results) {
-    if (is_contact_count(result) != contacts || (contacts && result.value == 0.0)) continue;
-    json row = labelled_quantity(result_label(result), result.value, result.unit);
+    if (is_contact_count(result)) continue;
+    json row = result_facts(result.value, result.unit);
+    row["label"] = result_label(result);
     row["name"] = result.name;
     row["meaning"] = result.meaning;
     rows.push_back(row);
+  }
+  return rows;
+}
+
+/// Cases of contact with the mean number of each at a time, those that the run never met too.
+json contact_facts(const RunSummary& summary) {
+  json rows = json::array();
+  std::string head;
+  for (const RunResult& result : summary.results) {
+    if (!is_contact_count(result)) continue;
+    const ContactCase contact = contact_case(result);
+    json row = quantity_facts(result.value, result.unit, 3);
+    row["partner"] = head == contact.partner ? "" : contact.partner;
+    row["case"] = contact.meaning;
+    row["name"] = result.name;
+    row["met"] = result.value > 0.0;
+    rows.push_back(row);
+    head = contact.partner;
   }
   return rows;
 }
@@ -193,6 +211,7 @@ json run_verdict(const RunSummary& summary) {
   if (total > 0)
     text += passed == total ? fmt::format("; all {} checks pass", total)
                             : fmt::format("; {} of {} checks fail", total - passed, total);
+  if (!completed && !summary.message.empty()) text += ": " + summary.message;
   return {{"pass", completed && passed == total}, {"partial", false}, {"text", text}};
 }
 
@@ -221,7 +240,6 @@ json run_facts(const RunFolder& run, const std::string& id, int level) {
   // Of a completed run the verdict says it all, but for what the run adds after a semicolon.
   const bool completed = summary.status == RunStatus::completed;
   const std::size_t remark = summary.message.find("; ");
-  facts["message"] = completed ? "" : summary.message;
   facts["remark"] = completed && remark != std::string::npos ? summary.message.substr(remark + 2) : "";
   facts["verdict"] = run_verdict(summary);
   facts["checks"] = check_facts(summary);
@@ -236,9 +254,9 @@ json run_facts(const RunFolder& run, const std::string& id, int level) {
   facts["still"] = still_facts(run);
   facts["sections"] = section_facts(run, id);
   facts["tables"] = table_facts(summary);
-  facts["results"] = result_facts(summary, false);
+  facts["results"] = result_rows(summary);
   facts["has_results"] = !facts["results"].empty();
-  facts["contacts"] = result_facts(summary, true);
+  facts["contacts"] = contact_facts(summary);
   facts["has_contacts"] = !facts["contacts"].empty();
   const std::string folder = run.path.filename().string();
   facts["provenance"] = provenance_facts(

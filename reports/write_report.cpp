@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <iterator>
 #include <map>
+#include <numeric>
 #include <set>
 
 #include "model/errors.h"
@@ -76,14 +77,34 @@ Opened open_folders(const std::vector<std::filesystem::path>& folders) {
   return opened;
 }
 
+/// Runs of a study stand in the order of its parameter and are called after it.
+std::optional<InputDifference> arrange_study(std::vector<RunFolder>& runs) {
+  std::optional<InputDifference> parameter = study_parameter(runs);
+  if (!parameter) return parameter;
+  std::vector<std::size_t> order(runs.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::sort(order, {}, [&](std::size_t k) { return parameter->numbers[k].value(); });
+  std::vector<RunFolder> sorted;
+  InputDifference rising{parameter->label, parameter->unit, {}, {}};
+  for (const std::size_t k : order) {
+    rising.numbers.push_back(parameter->numbers[k]);
+    rising.texts.push_back(parameter->texts[k]);
+    sorted.push_back(std::move(runs[k]));
+    sorted.back().summary.name = parameter->label + " " + parameter->texts[k];
+  }
+  runs = std::move(sorted);
+  return rising;
+}
+
 /// Links of the contents list: the parts of a single folder, or the folders of a mix.
 json contents(const json& page) {
   json links = json::array();
   const auto add = [&](const std::string& key, const std::string& text) {
     links.push_back({{"key", key}, {"text", text}});
   };
-  const bool single = page["runs"].size() + page["fits"].size() + page["rigs"].size() == 1;
+  const bool single = !page["compares"] && page["runs"].size() + page["fits"].size() + page["rigs"].size() == 1;
   if (!single) {
+    if (page["study"].is_object()) add("study", page["study"]["title"]);
     if (page["compares"]) add("comparison", "Comparison");
     if (page["fit_comparison"].is_object()) add("fit-comparison", "Fits side by side");
     for (const char* kind : {"fits", "rigs", "runs"})
@@ -111,7 +132,28 @@ json contents(const json& page) {
   return links;
 }
 
-json page_facts(const Opened& opened) {
+/// Each run of a study has a page of its own; here it would bury the study.
+void add_runs(Opened& opened, int level, json& page) {
+  const std::optional<InputDifference> parameter = arrange_study(opened.runs);
+  page["study"] = parameter ? study_facts(opened.runs, *parameter, "study", level) : json(false);
+  if (parameter) return;
+  for (std::size_t i = 0; i < opened.runs.size(); ++i)
+    page["runs"].push_back(run_facts(opened.runs[i], fmt::format("run{}", i + 1), level));
+}
+
+std::string title_of(const json& page, const Opened& opened, std::size_t parts) {
+  if (parts == 1)
+    for (const char* kind : {"fits", "rigs", "runs"})
+      if (!page[kind].empty()) return page[kind][0]["title"];
+  if (page["study"].is_object() && parts == opened.runs.size()) return page["study"]["title"];
+  if (page["comparison"].is_object() && page["comparison"]["connection"].is_object() && parts == 2)
+    return page["comparison"]["connection"]["title"];
+  return parts == 2 && opened.runs.size() == 1 && opened.fits.size() == 1
+             ? opened.fits[0].fit.specimen + " and " + opened.runs[0].summary.name
+             : fmt::format("{} results side by side", parts);
+}
+
+json page_facts(Opened opened) {
   const std::size_t parts = opened.runs.size() + opened.fits.size() + opened.rigs.size();
   const int level = parts == 1 ? 1 : 2;
   json page{{"format", "grouser.report/1"},
@@ -123,20 +165,12 @@ json page_facts(const Opened& opened) {
     page["fits"].push_back(fit_facts(opened.fits[i], fmt::format("fit{}", i + 1), level));
   for (std::size_t i = 0; i < opened.rigs.size(); ++i)
     page["rigs"].push_back(rig_facts(opened.rigs[i], fmt::format("rig{}", i + 1), level));
-  for (std::size_t i = 0; i < opened.runs.size(); ++i)
-    page["runs"].push_back(run_facts(opened.runs[i], fmt::format("run{}", i + 1), level));
+  add_runs(opened, level, page);
   page["compares"] = opened.runs.size() > 1;
   page["comparison"] = opened.runs.size() > 1 ? comparison_facts(opened.runs, "comparison", level) : json(false);
   page["fit_comparison"] =
       opened.fits.size() > 1 ? fit_comparison_facts(opened.fits, "fit-comparison", level) : json(false);
-  if (parts == 1) {
-    for (const char* kind : {"fits", "rigs", "runs"})
-      if (!page[kind].empty()) page["page_title"] = page[kind][0]["title"];
-  } else {
-    page["page_title"] = parts == 2 && opened.runs.size() == 1 && opened.fits.size() == 1
-                             ? opened.fits[0].fit.specimen + " and " + opened.runs[0].summary.name
-                             : fmt::format("{} results side by side", parts);
-  }
+  page["page_title"] = title_of(page, opened, parts);
   page["version"] = program_version();
   page["contents"] = contents(page);
   return page;

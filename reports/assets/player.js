@@ -12,12 +12,14 @@ async function startPlayer(figure) {
   const vertices = new Float32Array(await unpacked(figure.querySelector(".vertices").textContent));
   const indices = new Uint32Array(await unpacked(figure.querySelector(".indices").textContent));
   const poses = decodedPoses(scene, new Int16Array(await unpacked(figure.querySelector(".poses").textContent)));
+  const packedTerrain = figure.querySelector(".terrain");
+  const terrain = packedTerrain ? terrainOf(new Float32Array(await unpacked(packedTerrain.textContent))) : null;
   stage.append(canvas);
   const reading = document.createElement("span");
   reading.className = "reading";
   stage.append(reading);
   stage.tabIndex = 0;
-  const draw = sceneRenderer(gl, scene, vertices, indices, poses);
+  const draw = sceneRenderer(gl, scene, vertices, indices, poses, terrain);
   const camera = { azimuth: -0.85, elevation: 0.27, distance: 2.6 * scene.reach };
   let frame = 0, playing = false, clock = 0;
 
@@ -122,11 +124,38 @@ function decodedPoses(scene, steps) {
   return poses;
 }
 
+// Ground that is not level: a grid of heights, as triangles and as a height at any place.
+function terrainOf(values) {
+  const [rows, columns] = values, x = values.subarray(2, 2 + rows), y = values.subarray(2 + rows, 2 + rows + columns);
+  const heights = values.subarray(2 + rows + columns), points = new Float32Array(6 * rows * columns), indices = [];
+  // Slope between the neighbours on both sides.
+  const slope = (axis, at, stride, k) => {
+    const a = Math.max(0, at - 1), b = Math.min(axis.length - 1, at + 1);
+    return (heights[k + (b - at) * stride] - heights[k + (a - at) * stride]) / (axis[b] - axis[a]);
+  };
+  for (let i = 0; i < rows; ++i)
+    for (let j = 0; j < columns; ++j) {
+      const k = i * columns + j;
+      points.set([x[i], y[j], heights[k], ...unit([-slope(x, i, columns, k), -slope(y, j, 1, k), 1])], 6 * k);
+      if (i + 1 < rows && j + 1 < columns) indices.push(k, k + columns, k + 1, k + 1, k + columns, k + columns + 1);
+    }
+  const cell = (axis, at) => {
+    let low = 0, high = axis.length - 1;
+    while (high - low > 1) { const mid = low + high >> 1; if (axis[mid] <= at) low = mid; else high = mid; }
+    return [low, Math.max(0, Math.min(1, (at - axis[low]) / (axis[high] - axis[low])))];
+  };
+  const height = (px, py) => {
+    const [i, u] = cell(x, px), [j, v] = cell(y, py), at = (a, b) => heights[(i + a) * columns + j + b];
+    return (1 - u) * ((1 - v) * at(0, 0) + v * at(0, 1)) + u * ((1 - v) * at(1, 0) + v * at(1, 1));
+  };
+  return { points, indices: Uint32Array.from(indices), height };
+}
+
 // The light of render/shaders, so that this picture and the film look alike. Positions are relative to the chassis origin.
 const player_shaders = (() => {
   const common = `#version 300 es
 precision highp float; precision highp int; precision highp sampler2DShadow;
-uniform mat4 view, shade_view; uniform vec3 eye, sun, focus, origin; uniform float reach; uniform vec4 footprint;`;
+uniform mat4 view, shade_view; uniform vec3 eye, sun, focus, origin; uniform float reach, level; uniform vec4 footprint;`;
   const place = `
 layout(location=0) in vec3 p; layout(location=1) in vec3 n; layout(location=2) in vec4 c; layout(location=3) in vec3 t; layout(location=4) in vec4 q; layout(location=5) in vec4 tint;
 vec3 turned(vec3 v) { return v + 2.0 * cross(q.xyz, cross(q.xyz, v) + q.w * v); }`;
@@ -166,18 +195,7 @@ vec4 seen(vec3 c, vec3 w) {
   float d = length(w - eye);
   return vec4(pow(developed(mix(c, horizon, 1.0 - exp(-d * d / 8100.0))), vec3(1.0 / 2.2)), 1.0);
 }`;
-  return {
-    body: [common + place + `out vec3 normal, world; flat out vec4 surface;
-void main() { world = turned(p) + t; normal = turned(n); surface = vec4(mix(c.rgb, tint.rgb, tint.a), c.a); gl_Position = view * vec4(world, 1.0); }`,
-      common + lit + `in vec3 normal, world; flat in vec4 surface; out vec4 o;
-void main() {
-  float share = 1.0 - 0.62 * under_vehicle(world.xy, 0.25) * (1.0 - smoothstep(0.1, 1.3, world.z + origin.z));
-  o = seen(shaded(surface.rgb, surface.a, world, normalize(normal), share), world);
-}`],
-    shadow: [common + place + `void main() { gl_Position = shade_view * vec4(turned(p) + t, 1.0); }`, common + `void main() {}`],
-    ground: [common + `out vec3 world;
-void main() { vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0; world = vec3(focus.xy + corner * 320.0, -origin.z); gl_Position = view * vec4(world, 1.0); }`,
-      common + lit + `in vec3 world; out vec4 o;
+  const ground = (given, normal) => common + lit + `in vec3 world; ${given} out vec4 o;
 float lines(vec2 u, float width) {
   vec2 size = fwidth(u), drawn = clamp(vec2(width), size, vec2(0.5)), away = abs(fract(u + 0.5) - 0.5);
   vec2 cover = smoothstep(0.5 * drawn + 0.75 * size, 0.5 * drawn - 0.75 * size, away) * clamp(width / drawn, 0.0, 1.0);
@@ -188,8 +206,23 @@ void main() {
   vec2 g = world.xy + origin.xy;
   vec3 albedo = mix(vec3(0.34, 0.305, 0.25), vec3(0.17, 0.155, 0.13), 0.55 * lines(g, 0.022));
   albedo = mix(albedo, vec3(0.72, 0.68, 0.60), 0.60 * lines(g * 0.1, 0.006));
-  o = seen(shaded(albedo, 0.02, world, vec3(0.0, 0.0, 1.0), 1.0 - 0.70 * under_vehicle(world.xy, 0.45)), world);
+  o = seen(shaded(albedo, 0.02, world, ${normal}, 1.0 - 0.70 * under_vehicle(world.xy, 0.45)), world);
+}`;
+  return {
+    body: [common + place + `out vec3 normal, world; flat out vec4 surface;
+void main() { world = turned(p) + t; normal = turned(n); surface = vec4(mix(c.rgb, tint.rgb, tint.a), c.a); gl_Position = view * vec4(world, 1.0); }`,
+      common + lit + `in vec3 normal, world; flat in vec4 surface; out vec4 o;
+void main() {
+  float share = 1.0 - 0.62 * under_vehicle(world.xy, 0.25) * (1.0 - smoothstep(0.1, 1.3, world.z + origin.z - level));
+  o = seen(shaded(surface.rgb, surface.a, world, normalize(normal), share), world);
 }`],
+    shadow: [common + place + `void main() { gl_Position = shade_view * vec4(turned(p) + t, 1.0); }`, common + `void main() {}`],
+    ground: [common + `out vec3 world;
+void main() { vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0; world = vec3(focus.xy + corner * 320.0, -origin.z); gl_Position = view * vec4(world, 1.0); }`,
+      ground("", "vec3(0.0, 0.0, 1.0)")],
+    terrain: [common + `layout(location=0) in vec3 p; layout(location=1) in vec3 n; out vec3 world, normal;
+void main() { world = p - origin; normal = n; gl_Position = view * vec4(world, 1.0); }`,
+      ground("in vec3 normal;", "normalize(normal)")],
     sky: [common + `uniform mat4 from_clip; out vec3 beyond;
 void main() { vec2 clip = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0; vec4 far = from_clip * vec4(clip, 1.0, 1.0); beyond = far.xyz / far.w; gl_Position = vec4(clip, 1.0, 1.0); }`,
       common + lit + `in vec3 beyond; out vec4 o;
@@ -197,7 +230,7 @@ void main() { o = vec4(pow(developed(sky_color(normalize(beyond - eye))), vec3(1
   };
 })();
 
-function sceneRenderer(gl, scene, vertices, indices, poses) {
+function sceneRenderer(gl, scene, vertices, indices, poses, terrain) {
   const program = ([vertex, fragment]) => {
     const made = gl.createProgram();
     for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
@@ -209,10 +242,10 @@ function sceneRenderer(gl, scene, vertices, indices, poses) {
     }
     gl.linkProgram(made);
     const at = {};
-    for (const name of ["view", "shade_view", "eye", "sun", "focus", "origin", "reach", "footprint", "shadow", "from_clip"]) at[name] = gl.getUniformLocation(made, name);
+    for (const name of ["view", "shade_view", "eye", "sun", "focus", "origin", "reach", "level", "footprint", "shadow", "from_clip"]) at[name] = gl.getUniformLocation(made, name);
     return { made, at };
   };
-  const bodyPass = program(player_shaders.body), shadowPass = program(player_shaders.shadow), groundPass = program(player_shaders.ground), skyPass = program(player_shaders.sky);
+  const bodyPass = program(player_shaders.body), shadowPass = program(player_shaders.shadow), groundPass = program(terrain ? player_shaders.terrain : player_shaders.ground), skyPass = program(player_shaders.sky);
   const buffer = (data, use) => {
     const made = gl.createBuffer();
     gl.bindBuffer(gl.ARRAY_BUFFER, made);
@@ -246,6 +279,17 @@ function sceneRenderer(gl, scene, vertices, indices, poses) {
     return { vao, poseBuffer, mine, first: 4 * mesh.first_index, count: mesh.num_indices, poses: new Float32Array(mine.length * 7) };
   }).filter(batch => batch.mine.length > 0);
 
+  const terrainArray = terrain ? gl.createVertexArray() : null;
+  if (terrain) {
+    gl.bindVertexArray(terrainArray);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, terrain.indices, gl.STATIC_DRAW);
+    buffer(terrain.points, gl.STATIC_DRAW);
+    attribute(0, 3, 24, 0, 0);
+    attribute(1, 3, 24, 12, 0);
+  }
+  const heightAt = (x, y) => terrain ? terrain.height(x, y) : 0;
+
   const map = gl.createTexture(), mapSize = 2048;
   gl.bindTexture(gl.TEXTURE_2D, map);
   gl.texStorage2D(gl.TEXTURE_2D, 1, gl.DEPTH_COMPONENT24, mapSize, mapSize);
@@ -262,7 +306,8 @@ function sceneRenderer(gl, scene, vertices, indices, poses) {
     const heading = Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)), c = Math.cos(heading), s = Math.sin(heading);
     const focus = [c * scene.focus[0] - s * scene.focus[1], s * scene.focus[0] + c * scene.focus[1], scene.focus[2]];
     const eye = [focus[0] + distance * Math.cos(elevation) * Math.cos(azimuth), focus[1] + distance * Math.cos(elevation) * Math.sin(azimuth),
-      Math.max(0.1 - origin[2], focus[2] + distance * Math.sin(elevation))];
+      focus[2] + distance * Math.sin(elevation)];
+    eye[2] = Math.max(eye[2], 0.1 + heightAt(origin[0] + eye[0], origin[1] + eye[1]) - origin[2]);
     const sun = unit([0.42, -0.55, 0.85]);
     const view = product(perspective(0.6, gl.drawingBufferWidth / gl.drawingBufferHeight, 0.05 * reach, 400), looking(eye, focus));
     const shade = product(orthographic(reach, 0.5 * reach, 3.5 * reach), looking(focus.map((x, i) => x + 2 * reach * sun[i]), focus));
@@ -273,6 +318,7 @@ function sceneRenderer(gl, scene, vertices, indices, poses) {
       for (const [name, value] of Object.entries({ eye, sun, focus, origin })) gl.uniform3fv(pass.at[name], value);
       gl.uniform4fv(pass.at.footprint, [...scene.footprint, c, s]);
       gl.uniform1f(pass.at.reach, reach);
+      gl.uniform1f(pass.at.level, heightAt(origin[0] + focus[0], origin[1] + focus[1]));
       gl.uniform1i(pass.at.shadow, 0);
     };
     const bodies = () => {
@@ -302,9 +348,11 @@ function sceneRenderer(gl, scene, vertices, indices, poses) {
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     use(bodyPass); bodies();
     gl.disable(gl.CULL_FACE);
-    gl.bindVertexArray(null);
+    gl.bindVertexArray(terrainArray);
     use(groundPass);
-    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+    if (terrain) gl.drawElements(gl.TRIANGLES, terrain.indices.length, gl.UNSIGNED_INT, 0);
+    else gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+    gl.bindVertexArray(null);
     gl.depthFunc(gl.LEQUAL);
     use(skyPass);
     gl.uniformMatrix4fv(skyPass.at.from_clip, false, inverse(view));

@@ -60,6 +60,17 @@ TEST_F(Browser, AVehicleNamedAsAScriptStaysText) {
   expect_good({"run"}, true);
 }
 
+TEST_F(Browser, ARunOverRoughGroundPlaysOnThatGround) {
+  mock::write_run(folder_ / "run", {.rough = true});
+  expect_good({"run"}, true);
+}
+
+TEST_F(Browser, AStudyWorks) {
+  for (const auto& [name, scale] : {std::pair{"a", 0.5}, {"b", 1.0}, {"c", 2.0}})
+    mock::write_run(folder_ / name, {.bushing_scale = scale});
+  expect_good({"a", "b", "c"}, false);
+}
+
 TEST_F(Browser, IdentificationReportWorks) {
   mock::write_fit_folder(folder_ / "fit");
   expect_good({"fit"}, false);

@@ -109,6 +109,21 @@ TEST_F(Pages, VerdictAndChecksComeFirstAndTellTheFailure) {
   EXPECT_LT(text.find("1 of 2 checks fail"), text.find("Bushing between links"));
 }
 
+TEST_F(Pages, TheVerdictOfAFailedRunSaysWhenAndWhy) {
+  mock::write_run(folder_ / "thrown", {.failure = "left track thrown at 0.5600 s: a link stands 120 mm beside"});
+  const std::string text = visible_text(report({"thrown"}));
+  EXPECT_THAT(text, HasSubstr("Run failed after 2 s; all 2 checks pass: left track thrown at 0.5600 s"));
+}
+
+TEST_F(Pages, EveryContactCaseIsCounted) {
+  const std::string text = visible_text(report({"run_a"}));
+  EXPECT_THAT(text, HasSubstr("driving flank"));
+  EXPECT_THAT(text, HasSubstr("wheel on its top"));
+  const nlohmann::json contacts = twin()["runs"][0]["contacts"];
+  EXPECT_EQ(contacts[0]["met"], true);
+  EXPECT_EQ(contacts[1]["met"], false);
+}
+
 TEST_F(FitPages, ATestThatWasLeftOutIsNoPerfectFit) {
   const std::filesystem::path file = folder_ / "identification" / "fit.json";
   FitRecord fit = read_fit(file);

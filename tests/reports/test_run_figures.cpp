@@ -45,6 +45,25 @@ TEST_F(RunFigures, EachOfTheCatalogueCanBeMade) {
   EXPECT_THAT(names, testing::IsSupersetOf({"step_size", "tension", "contact_forces"}));
 }
 
+TEST_F(RunFigures, ATorqueDrivenRunIsAskedForATorqueAndForNoSpeed) {
+  const Figure figure = make_run_figure(run({.drive = mock::Drive::torque}), "speed");
+  ASSERT_EQ(figure.panels.size(), 3u);
+  EXPECT_EQ(figure.panels[0].series.size(), 2u);
+  // The feed is what the sprockets really turn: 45 rad/s in the middle of the run.
+  EXPECT_NEAR(*std::ranges::max_element(figure.panels[0].series[1].y), 45.0 * 1.94 / (2.0 * k_pi), 1e-9);
+  EXPECT_EQ(figure.panels[2].title, "Torque asked for");
+  EXPECT_NEAR(*std::ranges::max_element(figure.panels[2].series[0].y), 8.0, 1e-12);
+}
+
+TEST_F(RunFigures, ADriversWishIsDrawnBesideTheSpeed) {
+  const RunFolder mock = run({.drive = mock::Drive::cruise});
+  const Figure figure = make_run_figure(mock, "speed");
+  ASSERT_EQ(figure.panels[0].series.size(), 3u);
+  EXPECT_NEAR(*std::ranges::max_element(figure.panels[0].series[2].y), 45.0 * 1.94 / (2.0 * k_pi), 1e-9);
+  EXPECT_NEAR(asked_speed(mock, Side::left, 1.0).value(), 45.0, 1e-12);  // so that the steady drive is found
+  EXPECT_EQ(make_run_figure(mock, "torque_spectrum").panels.size(), 1u);
+}
+
 TEST_F(RunFigures, RefuseAnUnknownNameAndSayTheKnownOnes) {
   const RunFolder mock = run();
   try {

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "model/geometry.h"
 #include "model/provenance.h"
 
 namespace grouser::mock {
@@ -50,48 +51,76 @@ json track() {
           {"pin_radius_m", 0.022}, {"pre_tension_kN", 50}, {"link", link}};
 }
 
-json vehicle(const std::string& name) {
+json vehicle(const RunOptions& options) {
   json stations = json::array();
   for (int i = 0; i < k_num_stations; ++i) stations.push_back(station(1.9 - 0.76 * i));
-  const json left{{"track_center_y_m", 1.4},
-                  {"sprocket",
-                   {{"mass_kg", 250.0},
-                    {"inertia_kg_m2", {10, 18, 10}},
-                    {"center_m", {-2.75, 1.4, 0.82}},
-                    {"teeth", 10},
-                    {"tip_radius_m", 0.335},
-                    {"base_radius_m", 0.28},
-                    {"flank_angle_deg", 20},
-                    {"seat_clearance_mm", 3},
-                    {"ring_offset_m", 0.18},
-                    {"side_clearance_m", 0.015},
-                    {"contact", {{"stiffness_N_per_m", 5e7}}}}},
-                  {"idler",
-                   {{"pivot_m", {2.5, 1.4, 0.8}},
-                    {"arm", body(60.0)},
-                    {"wheel", discs(2.75, 0.75, 0.31)},
-                    {"tensioner", {{"stiffness_N_per_m", 1e7}, {"damping_N_s_per_m", 3e4}}}}},
-                  {"support_rollers", {discs(1.4, 0.98, 0.1), discs(0.0, 1.0, 0.1), discs(-1.4, 1.0, 0.1)}},
-                  {"stations", stations},
-                  {"track", track()}};
+  json left{{"track_center_y_m", 1.4},
+            {"sprocket",
+             {{"mass_kg", 250.0},
+              {"inertia_kg_m2", {10, 18, 10}},
+              {"center_m", {-2.75, 1.4, 0.82}},
+              {"teeth", 10},
+              {"tip_radius_m", 0.335},
+              {"base_radius_m", 0.28},
+              {"flank_angle_deg", 20},
+              {"seat_clearance_mm", 3},
+              {"ring_offset_m", 0.18},
+              {"side_clearance_m", 0.015},
+              {"contact", {{"stiffness_N_per_m", 5e7}}}}},
+            {"idler",
+             {{"pivot_m", {2.5, 1.4, 0.8}},
+              {"arm", body(60.0)},
+              {"wheel", discs(2.75, 0.75, 0.31)},
+              {"tensioner", {{"stiffness_N_per_m", 1e7}, {"damping_N_s_per_m", 3e4}}}}},
+            {"support_rollers", {discs(1.4, 0.98, 0.1), discs(0.0, 1.0, 0.1), discs(-1.4, 1.0, 0.1)}},
+            {"stations", stations},
+            {"track", track()}};
+  if (options.double_pin) left["track"].update({{"connection", "double_pin"}, {"connector_length_mm", 60}});
   return {{"format", "grouser.vehicle/1"},
-          {"name", name},
+          {"name", options.vehicle_name},
           {"chassis", body(4e4)},
           {"left", left},
           {"right", {{"mirror", "left"}}}};
 }
 
-json scenario(const RunOptions& options) {
-  const double d = options.duration, w = options.top_speed;
-  const auto table = [&](double speed) {
-    return json{{"time_s", {0.0, d / 3.0, 2.0 * d / 3.0, d}}, {"speed_rad_per_s", {0.0, speed, speed, 0.0}}};
+json drive_table(const RunOptions& options, double speed) {
+  const double d = options.duration;
+  json table{{"time_s", {0.0, d / 3.0, 2.0 * d / 3.0, d}}};
+  const json shape{0.0, 1.0, 1.0, 0.0};
+  const auto values = [&](double top) {
+    json list = json::array();
+    for (const json& part : shape) list.push_back(top * part.get<double>());
+    return list;
   };
-  return {{"format", "grouser.scenario/1"},
-          {"name", options.name},
-          {"vehicle", "vehicle.json"},
-          {"bushing", "bushing.json"},
-          {"drive", {{"left", table(w)}, {"right", table(options.turn ? -w : w)}}},
-          {"duration_s", d}};
+  switch (options.drive) {
+    case Drive::speed:
+      table["speed_rad_per_s"] = values(speed);
+      break;
+    case Drive::torque:
+      table["torque_kN_m"] = values(8.0);
+      break;
+    case Drive::cruise:
+      table.update({{"target_speed_m_per_s", values(1.94 / (2.0 * k_pi) * speed)},
+                    {"power_kW", 500},
+                    {"largest_torque_kN_m", 20},
+                    {"brake_torque_kN_m", 20}});
+      break;
+  }
+  return table;
+}
+
+json scenario(const RunOptions& options) {
+  const double w = options.top_speed;
+  json scenario{{"format", "grouser.scenario/1"},
+                {"name", options.name},
+                {"vehicle", "vehicle.json"},
+                {"bushing", "bushing.json"},
+                {"drive", {{"left", drive_table(options, w)}, {"right", drive_table(options, options.turn ? -w : w)}}},
+                {"bushing_scale", options.bushing_scale},
+                {"duration_s", options.duration}};
+  if (options.rough)
+    scenario["terrain"]["obstacles"] = {{{"kind", "half_round"}, {"radius_mm", 200}, {"position_m", 5}}};
+  return scenario;
 }
 
 }  // namespace
@@ -113,7 +142,7 @@ Bushing straight_bushing() {
 
 void write_inputs(const std::filesystem::path& folder, const RunOptions& options) {
   std::filesystem::create_directories(folder / "inputs");
-  write_whole(folder / "inputs/vehicle.json", vehicle(options.vehicle_name).dump(1));
+  write_whole(folder / "inputs/vehicle.json", vehicle(options).dump(1));
   write_whole(folder / "inputs/scenario.json", scenario(options).dump(1));
   write_bushing(straight_bushing(), folder / "inputs/bushing.json");
 }

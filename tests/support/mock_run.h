@@ -7,6 +7,9 @@
 /// Test only: a run folder of the right shape with made-up motion and forces, no physics behind it.
 namespace grouser::mock {
 
+/// What turns the sprockets, in the scenario; the motion is the same.
+enum class Drive { speed, torque, cruise };
+
 struct RunOptions {
   std::string name = "Mock run";
   std::string vehicle_name = "Mock vehicle";
@@ -16,6 +19,11 @@ struct RunOptions {
   bool turn = false;        ///< the right sprocket runs backwards
   bool probes = true;       ///< false: a run without probe links
   bool failing_check = false;
+  double bushing_scale = 1.0;  ///< the mean step goes with its power -1/2, the largest tension with +1/4
+  Drive drive = Drive::speed;
+  bool rough = false;        ///< a half round on the way
+  bool double_pin = false;   ///< half the twist of a single pin in each bushing
+  std::string failure = "";  ///< message of a run that failed
 };
 
 /// Writes run.json, run.h5 and inputs/ with every dataset of a real run.
