@@ -15,6 +15,7 @@ namespace fs = std::filesystem;
 struct Options {
   std::string folder = "out/demo";
   std::string data = GROUSER_TEST_DATA;
+  std::string study;  ///< empty: the pipeline
 };
 
 /// A picture of the report: where the run stands (fraction of its time) and from where it is seen.
@@ -36,19 +37,6 @@ ExitCode show(const fs::path& folder, const Progress& progress) {
   }
   write_report({folder}, folder / "report.html");
   return ExitCode::done;
-}
-
-/// The job's error becomes its exit code where it happens: a child cannot throw to its parent.
-Job guarded(double weight, Console& console, std::function<ExitCode(const Progress&)> work) {
-  return {weight, [&console, work = std::move(work)](const Progress& progress) {
-            return guard(console,
-                         [&] {
-                           Result result;
-                           result.code = work(progress);
-                           return result;
-                         })
-                .code;
-          }};
 }
 
 /// The stages one after the other; the jobs of a stage side by side, so that no run is timed while the other one is
@@ -125,7 +113,16 @@ Command add_demo(CLI::App& root) {
       ->capture_default_str();
   app->add_option("--data", options->data, "Folder with rig, vehicles and scenarios [test_data of the sources]")
       ->type_name("DIR");
-  return {app, [options](Console& console) { return run(*options, console); }};
+  app->add_option(
+         "--study", options->study,
+         "Instead of the pipeline: run A with every stiffness of the bushings, or with single and double pins, "
+         "compared in DIR/NAME/report.html")
+      ->check(CLI::IsMember(study_names()))
+      ->type_name("NAME");
+  return {app, [options](Console& console) {
+            return options->study.empty() ? run(*options, console)
+                                          : run_study(options->study, options->data, options->folder, console);
+          }};
 }
 
 }  // namespace grouser::cli

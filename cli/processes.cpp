@@ -108,6 +108,18 @@ ExitCode wait_for(const Child& child) {
 
 }  // namespace
 
+Job guarded(double weight, Console& console, std::function<ExitCode(const Progress&)> work) {
+  return {weight, [&console, work = std::move(work)](const Progress& progress) {
+            return guard(console,
+                         [&] {
+                           Result result;
+                           result.code = work(progress);
+                           return result;
+                         })
+                .code;
+          }};
+}
+
 ExitCode run_in_processes(const std::vector<Job>& jobs, const Progress& progress) {
   std::vector<Child> children;
   for (const Job& job : jobs) children.push_back(start(job));

@@ -12,6 +12,9 @@ struct Job {
   std::function<ExitCode(const Progress&)> work;
 };
 
+/// A job whose error becomes its exit code where it happens: a child cannot throw to its parent.
+[[nodiscard]] Job guarded(double weight, Console& console, std::function<ExitCode(const Progress&)> work);
+
 /// Runs all jobs side by side, each in a child of this process; `progress` sees the weighted mean. When it asks to
 /// stop, so are the children. Call before this process has threads or a GL context: a child inherits neither in working
 /// order. Returns the exit code of the first job that did not end well, or `done`. Throws FileError when no child can

@@ -38,6 +38,13 @@ struct SimulateRequest {
 [[nodiscard]] std::filesystem::path still_into(const RunFolder& run, double time, const RenderOptions& options,
                                                const std::filesystem::path& folder);
 
+/// What `demo --study` knows.
+[[nodiscard]] std::vector<std::string> study_names();
+/// Runs of one scenario that differ in what the study varies, side by side in processes of their own:
+/// folder/NAME/<case>/ with run and report, folder/NAME/report.html over all of them, and folder/index.html anew.
+[[nodiscard]] Result run_study(const std::string& name, const std::filesystem::path& data,
+                               const std::filesystem::path& folder, Console& console);
+
 /// One line on a run: status, time and speed of the computation.
 [[nodiscard]] std::string headline(const RunSummary& summary);
 

@@ -56,6 +56,7 @@ TEST(Usage, ValuesThatCannotBeAreRefusedBeforeAnyWork) {
       {{"render", "run", "--frames", "--film", "a.mp4"}, "--frames"},
       {{"simulate", "scenario.json", "--set", "duration_s"}, "path=value"},
       {{"plot", "run", "--figure", "nonsense"}, "--figure"},
+      {{"demo", "--study", "stifness"}, "--study"},
       {{"plot", "run"}, "--figure"},
       {{"plot", "--figure", "tension"}, "RUN_DIR"},
       {{"export", "run", "--format", "xls"}, "--format"},

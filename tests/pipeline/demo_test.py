@@ -59,6 +59,19 @@ class Demo(unittest.TestCase):
             with open(os.path.join(folder, "run_a/run.json"), encoding="utf-8") as file:
                 self.assertEqual(json.load(file)["simulated_time_s"], SHORT_S)
 
+    def test_a_study_of_stiffness_stands_beside_the_pipeline(self):
+        with tempfile.TemporaryDirectory() as data, tempfile.TemporaryDirectory() as folder:
+            done = run("demo", "--study", "stiffness", "-o", folder, "--data", short_data(data))
+            self.assertEqual(done.stdout.splitlines()[-1], os.path.join(folder, "index.html"))
+            with open(os.path.join(folder, "stiffness/report.json"), encoding="utf-8") as file:
+                study = json.load(file)["study"]
+            self.assertEqual(study["parameter"]["values"], [0.25, 0.5, 1, 2, 4])
+            for name in ("x0.25", "x0.5", "x1", "x2", "x4"):
+                for part in ("run.json", "run.h5", "report.html"):
+                    self.assertTrue(os.path.exists(os.path.join(folder, "stiffness", name, part)), name + "/" + part)
+            with open(os.path.join(folder, "index.html"), encoding="utf-8") as file:
+                self.assertIn("stiffness/report.html", file.read())
+
     def test_an_interruption_stops_the_parts_too(self):
         with tempfile.TemporaryDirectory() as folder:
             with subprocess.Popen([COMMAND, "demo", "-o", folder], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
