@@ -5,54 +5,11 @@
 
 #include "model/bushing_law.h"
 #include "simulator/bushings.h"
-#include "tests/support/scenes.h"
+#include "tests/support/closed_forms.h"
+#include "tests/support/pulled_pair.h"
 
 namespace grouser::test {
 namespace {
-
-/// Two links in a row, pulled apart by x(t). Joint 1 closes the chain backwards and moves by -x, so that energies and
-/// losses are twice those of one joint; it stands two pitches from its groove, though, where a growing yield is out of
-/// reach: then it slips nowhere.
-class PulledPair {
- public:
-  explicit PulledPair(const Bushing& bushing)
-      : system_(compile(parked(bare_vehicle(2), bushing, 0.0))),
-        state(strewn_state(system_)),
-        work(make_workspace(system_)) {
-    system_.tracks[1].num_links = 0;
-    place(0.0, 0.0);
-    relax_rubber(system_, state);
-    history_ = state.history;
-  }
-  /// One step of length h to stretch x at rate v; books the losses.
-  void step(double x, double v, double h) {
-    place(x, v);
-    work.energy = {};
-    place_links(system_, state, work);
-    bushing_forces(system_, {}, history_, h, state, work);
-    history_ = state.history;
-    step_loss += 0.5 * work.energy.bushing_step_loss;
-    EXPECT_GE(work.energy.bushing_step_loss, -1e-18 * 1e6) << "a step cannot gain energy";
-  }
-  [[nodiscard]] double force(int joint = 0) const { return work.bushing_force[0][joint]; }
-
- private:
-  void place(double x, double v) {
-    LinkMotion b;
-    b.position.x() = system_.tracks[0].pitch + x;
-    b.velocity.x() = v;
-    set_link(state, 0, {});
-    set_link(state, 1, b);
-    close_chains(system_, state);
-  }
-  System system_;
-  History history_;
-
- public:
-  State state;
-  Workspace work;
-  double step_loss = 0.0;  ///< J, of one joint
-};
 
 TEST(BushingMemory, FrictionStopLosesTheAreaOfItsLoop) {
   constexpr double k = 2e7, yield = 1e-4, amplitude = 4e-4;
@@ -72,17 +29,6 @@ TEST(BushingMemory, FrictionStopLosesTheAreaOfItsLoop) {
     cycle();
     EXPECT_NEAR(pair.step_loss / (4.0 * k * yield * (amplitude - yield)), 1.0, 1e-11) << steps << " steps";
   }
-}
-
-/// Area of the loop of a stop whose yield is r(x) = r (1 + b x^2), |dr/dx| < 1, at the amplitude X: it leaves the turn
-/// with z = -r(X), meets r(x) at x_s + X - r(X) = r(x_s) and slides to X: 2 k (integral of r dx - (r^2)/2) from x_s to
-/// X.
-double growing_stop_area(double k, double r, double b, double amplitude) {
-  const auto yield = [&](double x) { return r * (1.0 + b * x * x); };
-  const double linear = amplitude - yield(amplitude) - r;  // r b x_s^2 - x_s - linear = 0
-  const double meets = (1.0 - std::sqrt(1.0 + 4.0 * r * b * linear)) / (2.0 * r * b);
-  const auto primitive = [&](double x) { return r * (x + b * x * x * x / 3.0) - 0.5 * yield(x) * yield(x); };
-  return 2.0 * k * (primitive(amplitude) - primitive(meets));
 }
 
 TEST(BushingMemory, GrowingStopLosesTheAreaOfItsLoop) {
@@ -133,26 +79,6 @@ TEST(BushingMemory, StopsInParallelFollowMasingsRule) {
     pair.step(x, 0.0, 1e-4);
     ASSERT_NEAR(pair.force(), least + 2.0 * first_loading(0.5 * (x + amplitude)), 1e-6);  // of 1 kN: round-off
   }
-}
-
-struct Harmonic {
-  double loss, in_phase, out_of_phase;
-};
-Harmonic shake(const Bushing& bushing, double omega, double amplitude, int steps_a_cycle) {
-  PulledPair pair(bushing);
-  const double h = 2.0 * k_pi / omega / steps_a_cycle;
-  Harmonic result{0.0, 0.0, 0.0};
-  constexpr int k_cycles = 60;
-  for (int i = 1; i <= k_cycles * steps_a_cycle; ++i) {
-    if (i == (k_cycles - 1) * steps_a_cycle + 1) pair.step_loss = 0.0;
-    const double phase = 2.0 * k_pi * i / steps_a_cycle;
-    pair.step(amplitude * std::sin(phase), amplitude * omega * std::cos(phase), h);
-    if (i <= (k_cycles - 1) * steps_a_cycle) continue;
-    result.in_phase += 2.0 / steps_a_cycle / amplitude * pair.force() * std::sin(phase);
-    result.out_of_phase += 2.0 / steps_a_cycle / amplitude * pair.force() * std::cos(phase);
-  }
-  result.loss = pair.step_loss;
-  return result;
 }
 
 TEST(BushingMemory, MaxwellBranchHasItsComplexStiffness) {

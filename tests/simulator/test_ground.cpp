@@ -4,54 +4,14 @@
 
 #include "simulator/energy_book.h"
 #include "tests/support/closed_forms.h"
-#include "tests/support/scenes.h"
+#include "tests/support/ground_link.h"
 
-/// One free link on the ground.
 namespace grouser::test {
 namespace {
 
-constexpr int k_link = 2;  // stands 20 m ahead of the chassis, which falls freely meanwhile
-
-/// Ground tilted by `slope` about y: gravity leans forward instead.
-System slope_system(double slope, double friction, double step) {
-  Scenario scenario = parked(bare_vehicle(8), no_bushing(), 9.81);
-  scenario.terrain.friction = friction;
-  scenario.integrator.fixed_step = step;
-  System system = compile(scenario);
-  system.gravity_W = 9.81 * Vector3d(std::sin(slope), 0.0, -std::cos(slope));
-  return system;
-}
-
-State standing_link(const System& system) {
-  const CompiledTrack& track = system.tracks[0];
-  State state = strewn_state(system);
-  LinkMotion link;
-  const double depth = -track.mass * system.gravity_W.z() / (6.0 * track.ground.stiffness);
-  link.position = {20.0, 0.0, track.ground_depth - depth};
-  set_link(state, k_link, link);
-  return state;
-}
-
 TEST(Ground, BouncesALinkWithTheRestitutionOfItsLaw) {
-  for (const double restitution : {0.835, 0.5, 0.2}) {
-    const auto bounce = [&](double step) {
-      Vehicle vehicle = bare_vehicle(8);
-      for (RunningGear& gear : vehicle.sides) gear.track.ground_contact.restitution = restitution;
-      Scenario scenario = parked(vehicle, no_bushing(), 0.0);
-      scenario.integrator.fixed_step = step;
-      const System system = compile(scenario);
-      State state = strewn_state(system);
-      LinkMotion link;
-      link.position = {20.0, 0.0, system.tracks[0].ground_depth + 1e-3};
-      link.velocity = {0.0, 0.0, -1.0};  // the speed at which the restitution is stated
-      set_link(state, k_link, link);
-      Stepper stepper(system, state, {});
-      while (stepper.state().time < 0.03) EXPECT_EQ(stepper.step(1e9), StepStatus::ok);
-      return get_link(stepper.state(), k_link).velocity.z();
-    };
-    // The relation is exact for any stiffness and mass; the law is continuous at touch-down, so the step errs by h^2.
-    EXPECT_NEAR(bounce(1e-5), restitution, 1e-4);
-  }
+  // The relation is exact for any stiffness and mass; the law is continuous at touch-down, so the step errs by h^2.
+  for (const double restitution : {0.835, 0.5, 0.2}) EXPECT_NEAR(rebound_speed(restitution, 1e-5), restitution, 1e-4);
 }
 
 TEST(Ground, ALinkParkedAtRestLosesNothingForEver) {
@@ -63,7 +23,7 @@ TEST(Ground, ALinkParkedAtRestLosesNothingForEver) {
     ASSERT_EQ(stepper.step(1e9), StepStatus::ok);
     book_step(book, stepper.work().energy, stepper.last_step());
   }
-  const LinkMotion before = get_link(start, k_link), after = get_link(stepper.state(), k_link);
+  const LinkMotion before = get_link(start, k_ground_link), after = get_link(stepper.state(), k_ground_link);
   EXPECT_LT((after.position - before.position).norm(), 1e-15);
   EXPECT_LT(after.velocity.norm(), 1e-12);
   EXPECT_LT(book.dissipated(), 1e-18);  // J
@@ -72,16 +32,7 @@ TEST(Ground, ALinkParkedAtRestLosesNothingForEver) {
 TEST(Ground, FrictionHoldsALinkBelowItsLimitWithoutCreep) {
   const System system = slope_system(0.9 * std::atan(0.7), 0.7, 5e-5);
   Stepper stepper(system, standing_link(system), {});
-  const auto mean_place = [&](double until) {
-    double sum = 0.0;
-    int count = 0;
-    while (stepper.state().time < until) {
-      EXPECT_EQ(stepper.step(1e9), StepStatus::ok);
-      if (stepper.state().time > until - 0.2) sum += get_link(stepper.state(), k_link).position.x(), ++count;
-    }
-    return sum / count;
-  };
-  const double early = mean_place(1.0), late = mean_place(3.0);
+  const double early = mean_place(stepper, 1.0), late = mean_place(stepper, 3.0);
   EXPECT_GT(early - 20.0, 1e-6);            // the bristles give way a little
   EXPECT_LT(std::abs(late - early), 1e-7);  // a regularised law creeps by 10 mm/s and more here
 }
@@ -92,7 +43,7 @@ TEST(Ground, ALinkSlidesAboveTheLimitWithCoulombsAcceleration) {
   Stepper stepper(system, standing_link(system), {});
   const auto velocity_at = [&](double time) {
     while (stepper.state().time < time) EXPECT_EQ(stepper.step(1e9), StepStatus::ok);
-    return get_link(stepper.state(), k_link).velocity;
+    return get_link(stepper.state(), k_ground_link).velocity;
   };
   const Vector3d early = velocity_at(0.3);
   const double from = stepper.state().time;
@@ -111,7 +62,7 @@ TEST(Ground, SlidingLosesTheWorkOfFriction) {
     ASSERT_EQ(stepper.step(1e9), StepStatus::ok);
     book_step(book, stepper.work().energy, stepper.last_step());
   }
-  const double way = get_link(stepper.state(), k_link).position.x() - 20.0;
+  const double way = get_link(stepper.state(), k_ground_link).position.x() - 20.0;
   EXPECT_NEAR(book.ground_loss / (0.7 * 28.0 * 9.81 * std::cos(k_pi / 4.0) * way), 1.0, 0.02);
   EXPECT_LT(std::abs(book.residual()), 1e-3 * book.ground_loss);
 }
@@ -126,10 +77,10 @@ double speed_after_landing(double slip, double step) {
   LinkMotion link;
   link.position = {20.0, 0.0, system.tracks[0].ground_depth + 2.1e-4};
   link.velocity = {slip, 0.0, -2.0};
-  set_link(state, k_link, link);
+  set_link(state, k_ground_link, link);
   Stepper stepper(system, state, {});
   while (stepper.state().time < 0.02) EXPECT_EQ(stepper.step(1e9), StepStatus::ok);
-  return get_link(stepper.state(), k_link).velocity.x();
+  return get_link(stepper.state(), k_ground_link).velocity.x();
 }
 
 TEST(Ground, ALandingThatSticksAndSlipsErrsByTheSquareOfTheStep) {
@@ -147,11 +98,11 @@ TEST(Ground, ALiftedBristleForgetsItsAnchor) {
   const System system = slope_system(0.3, 0.7, 5e-5);
   Stepper stepper(system, standing_link(system), {});
   for (int i = 0; i < 200; ++i) ASSERT_EQ(stepper.step(1e9), StepStatus::ok);
-  EXPECT_EQ(stepper.state().history.anchored[0][k_link], 1.0);
-  stepper.state().position[2][k_link] += 0.01;
+  EXPECT_EQ(stepper.state().history.anchored[0][k_ground_link], 1.0);
+  stepper.state().position[2][k_ground_link] += 0.01;
   stepper.restart();
-  EXPECT_EQ(stepper.state().history.anchored[0][k_link], 0.0);
-  EXPECT_EQ(stepper.work().contact_force_W[static_cast<std::size_t>(Partner::ground)][2][k_link], 0.0);
+  EXPECT_EQ(stepper.state().history.anchored[0][k_ground_link], 0.0);
+  EXPECT_EQ(stepper.work().contact_force_W[static_cast<std::size_t>(Partner::ground)][2][k_ground_link], 0.0);
 }
 
 }  // namespace

@@ -36,6 +36,17 @@ struct Oscillator {
 /// Left side less right side of the restitution relation (1 + e) a v = ln[(1 + a v) / (1 - e a v)] (D 5.1).
 inline double restitution_defect(double e, double av) { return (1.0 + e) * av - std::log((1.0 + av) / (1.0 - e * av)); }
 
+/// Area of the loop of a stop whose yield is r(x) = r (1 + b x^2), |dr/dx| < 1, at the amplitude X: it leaves the turn
+/// with z = -r(X), meets r(x) at x_s + X - r(X) = r(x_s) and slides to X: 2 k (integral of r dx - (r^2)/2) from x_s to
+/// X.
+inline double growing_stop_area(double k, double r, double b, double amplitude) {
+  const auto yield = [&](double x) { return r * (1.0 + b * x * x); };
+  const double linear = amplitude - yield(amplitude) - r;  // r b x_s^2 - x_s - linear = 0
+  const double meets = (1.0 - std::sqrt(1.0 + 4.0 * r * b * linear)) / (2.0 * r * b);
+  const auto primitive = [&](double x) { return r * (x + b * x * x * x / 3.0) - 0.5 * yield(x) * yield(x); };
+  return 2.0 * k * (primitive(amplitude) - primitive(meets));
+}
+
 /// Joint force of a free closed chain of n rigid links turning at w, joints of isotropic stiffness k (D 7.2, with the
 /// joint's own gap: centre radius p / (2 tan) + s / (2 sin), s = T / k).
 inline double spinning_polygon_force(int n, double pitch, double mass, double w, double k) {

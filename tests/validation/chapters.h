@@ -13,5 +13,8 @@ void add_vehicle_turn(Chapter& chapter);   ///< run B, and what must not matter
 void add_vehicle_slope(Chapter& chapter);  ///< parked and sliding
 void add_integrator(Chapter& chapter);     ///< Chung-Lee's spectrum, order, trajectories; other integrators; tops
 void add_chains(Chapter& chapter);         ///< chains of links: momentum, hoop, catenary, vibration, waves
+void add_bushings(Chapter& chapter);       ///< stops and branches of the rubber's law
+void add_contacts(Chapter& chapter);       ///< restitution, stick and slide, elastic forces
+void add_suspension(Chapter& chapter);     ///< torsion bar, gas unit, damper
 
 }  // namespace grouser::validation

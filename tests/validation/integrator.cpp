@@ -64,6 +64,14 @@ void add_spectrum(Chapter& chapter) {
                fraction(1e-3, (12.0 * k_beta - 13.0) / 24.0, "next term, W² = 4e-4"), "closed form (12 b - 13) / 24"});
   chapter.add({"algorithmic damping / W³ as W tends to 0", "", 0.5 * (k_beta - 1.0), small.damping / 8e-6,
                fraction(1e-3, k_beta - 1.0, "next term, W² = 4e-4"), "closed form (b - 1) / 2"});
+  Worst joined;
+  for (const double rho : {0.9, 0.8, 0.7, 0.6}) {
+    const double beta = 1.0 + rho * rho * (1.0 - rho) / std::pow(1.0 + rho, 3);
+    joined = worse(joined, {rho, amplification(beta, 0.0, std::sqrt(std::pow(1.0 + rho, 3) / (2.0 * rho))).radius});
+  }
+  chapter.add({"|E| where two roots meet, beta = 1 + r² (1 - r) / (1 + r)³, r from 0.6 to 0.9", "", joined.reference,
+               joined.measured, within(1e-6, "a double root is known to the root of round-off"),
+               std::string(k_method) + "; closed form -r at W² = (1 + r)³ / 2r"});
   const double bifurcation = std::sqrt(27.0 / 8.0);
   chapter.add({"|E| where all three roots meet, W = sqrt(27/8)", "", 0.5,
                amplification(k_beta, 0.0, bifurcation).radius,
@@ -204,6 +212,41 @@ void add_orders(Chapter& chapter) {
             0.2, "the force has a kink at touch-down, met at any phase of a step");
 }
 
+/// Embedded estimate over the true local error of one step h, the step before h / r: velocity, displacement.
+Eigen::Vector2d estimate_over_error(double h, double r) {
+  constexpr double t0 = 0.37;  // s, where neither f' nor f'' is near zero
+  const auto force = [](double t) {
+    const auto [u, v] = k_driven.at(t);
+    return k_driven.acceleration(t, u, v);
+  };
+  const auto [u, v] = k_driven.at(t0);
+  const auto [end_u, end_v] = k_driven.at(t0 + h);
+  const double before = force(t0 - h / r), now = force(t0);
+  const StepWeights w = step_weights(k_beta, h, h / r);
+  const double next_u = u + h * v + w.position_now * now + w.position_before * before;
+  const double next_v = v + w.velocity_now * now + w.velocity_before * before;
+  const double next = k_driven.acceleration(t0 + h, next_u, next_v);
+  const ErrorWeights e = error_weights(k_beta, h, h / r);
+  return {e.velocity * std::abs(next - now - e.ratio * (now - before)) / std::abs(end_v - next_v),
+          e.position * std::max(e.ratio * std::abs(now - before), std::abs(next - now)) / std::abs(end_u - next_u)};
+}
+
+void add_estimates(Chapter& chapter) {
+  chapter.section(
+      "One driven oscillator: embedded error estimates",
+      "The estimate that chooses the step, over the true error of that step, at h = 1.25 ms of the oscillator "
+      "above and for steps that follow one of h / r.");
+  for (const double r : {0.5, 1.0, 2.0}) {
+    const Eigen::Vector2d ratio = estimate_over_error(0.00125, r);
+    const std::string name = r == 0.5 ? "r = 0.5: " : r == 1.0 ? "r = 1: " : "r = 2: ";
+    const char* because = "linear in h: 2 pi h = 0.8 %";
+    chapter.add({name + "velocity", "", 1.0, ratio.x(), within(0.01, because),
+                 "closed form: (1/6 + 1/4r) h³ f'', the estimate h (2r + 3) / (6 + 6r) times the bend of f"});
+    chapter.add({name + "displacement", "", 1.0, ratio.y(), within(0.02, because),
+                 "closed form: (2/3 - b) h³ f', the estimate |b - 2/3| h² times the change of f"});
+  }
+}
+
 /// Swinging garland of `num_links` between two held links, in gravity, smooth bushings.
 HeldChain garland() {
   constexpr int n = 12;
@@ -310,6 +353,7 @@ void add_integrator(Chapter& chapter) {
   add_alternating_steps(chapter);
   add_exact_trajectories(chapter);
   add_orders(chapter);
+  add_estimates(chapter);
   add_reference_integrators(chapter);
   add_tops(chapter);
 }

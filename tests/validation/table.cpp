@@ -71,8 +71,8 @@ Worst worst_of(const Eigen::VectorXd& measured, const Eigen::VectorXd& reference
 }
 
 Worst worse(const Worst& a, const Worst& b) {
-  const bool first = !(std::abs(a.measured - a.reference) <= std::abs(b.measured - b.reference));
-  return first ? a : b;
+  const double of_a = std::abs(a.measured - a.reference), of_b = std::abs(b.measured - b.reference);
+  return std::isnan(of_a) || of_a > of_b ? a : b;  // a NaN on either side is what is left
 }
 
 void Chapter::section(std::string title, std::string scene) {
