@@ -301,8 +301,8 @@ AxisLanes slipping_tangent(const RubberStep& step, const RubberLoad& rubber, int
     for (std::size_t s = 0; s < axis.stops.size(); ++s) {
       const int row = axis.first_stop + static_cast<int>(s);
       const Lanes trial = load(step.before.stop[row] + joint) + rubber.moved[a];
-      const auto slips = load(step.after.stop[row] + joint) != trial;
-      tangent[a] -= axis.stops[s].stiffness * slips.cast<double>();
+      const Lanes advanced = load(step.after.stop[row] + joint);
+      tangent[a] -= axis.stops[s].stiffness * (advanced != trial).cast<double>();
     }
   }
   return tangent;

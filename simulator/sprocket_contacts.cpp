@@ -1,26 +1,46 @@
+#include <array>
+#include <span>
+
 #include "simulator/contacts.h"
 
 namespace grouser {
 namespace {
 
+/// A point of a body that carries the pin.
+struct PinBearer {
+  LinkView body;
+  Vector3d from_body_W;
+};
+
+/// A point of the pin: the mean of points of its bearers. A single pin is borne by its link; a double pin's middle,
+/// half way between the bores of two shoes, by both, each with half of its load; or by a connector that is a body.
 struct PinMeeting {
   const CompiledTrack& track;
-  const LinkView& link;  ///< the link that carries the pin
-  Vector3d pin_from_link_W;
+  std::span<const PinBearer> bearers;
   Vector3d pin_from_base_W;
 };
+
+/// The bodies of one kind that `index` belongs to.
+const LinkBodies& bodies_of(const CompiledTrack& track, int index) {
+  const LinkBodies& links = track.bodies.front();
+  return index < links.offset + links.count && index >= links.offset ? links : track.bodies.back();
+}
 
 /// Force on the pin, minus it on the sprocket, at one common point; counts towards the step's bound.
 void push_pin(const PinMeeting& m, const Vector3d& force, double stiffness, double damping, Workspace& work) {
   const CompiledTrack& track = m.track;
-  LinkLoad load;
-  load.add(m.pin_from_link_W, force);
-  push_link(work, m.link.index, load, Partner::sprocket);
+  const double share = 1.0 / static_cast<double>(m.bearers.size()), ring = track.sprocket.ring_offset;
+  for (const PinBearer& bearer : m.bearers) {
+    const LinkBodies& kind = bodies_of(track, bearer.body.index);
+    LinkLoad load;
+    load.add(bearer.from_body_W, share * force);
+    push_link(work, bearer.body.index, load, Partner::sprocket);
+    const double half = kind.offset == track.offset ? 0.5 * track.pitch : 0.0;
+    const double mobility = 1.0 / kind.mass + half * half / kind.inertia.y();
+    work.stability[0][bearer.body.index] += share * stiffness * (mobility + ring * ring / kind.inertia.x());
+    work.stability[1][bearer.body.index] += share * damping * mobility;
+  }
   work.chassis.add_force(track.sprocket.body, m.pin_from_base_W, -force);
-  const double half = 0.5 * track.pitch, ring = track.sprocket.ring_offset;
-  const double mobility = 1.0 / track.mass + half * half / track.inertia.y();
-  work.stability[0][m.link.index] += stiffness * (mobility + ring * ring / track.inertia.x());
-  work.stability[1][m.link.index] += damping * mobility;
 }
 
 void touch_with(const PinMeeting& m, const CompiledContact& law, double stiffness, double depth, const Vector3d& normal,
@@ -58,7 +78,10 @@ void touch_side(const PinMeeting& m, double lateral, double radius, const Vector
 }
 
 Vector3d relative_velocity(const PinMeeting& m, const Workspace& work) {
-  return m.link.velocity_at(m.pin_from_link_W) - work.chassis.velocity_at(m.track.sprocket.body, m.pin_from_base_W);
+  Vector3d velocity = Vector3d::Zero();
+  for (const PinBearer& bearer : m.bearers) velocity += bearer.body.velocity_at(bearer.from_body_W);
+  return velocity / static_cast<double>(m.bearers.size()) -
+         work.chassis.velocity_at(m.track.sprocket.body, m.pin_from_base_W);
 }
 
 /// The middle of the pin against the sides of the teeth.
@@ -94,6 +117,22 @@ void meet_ring(const PinMeeting& m, double stiffness, const Matrix3d& R_WS, cons
     touch_with(m, sprocket.contact, stiffness, base_depth, outward, relative, work);
     ++work.case_count[static_cast<std::size_t>(ContactCase::sprocket_base)];
   }
+}
+
+/// The bodies that bear the pin behind link i, at its middle; returns their number.
+std::size_t find_bearers(const CompiledTrack& track, const State& state, const Workspace& work, int i,
+                         std::array<PinBearer, 2>& bearers) {
+  const int before = i == track.offset ? i + track.num_links - 1 : i - 1;
+  if (track.joint == JointForm::connector_bodies) {
+    bearers[0] = {view_link(state, work, before - track.offset + track.connector_offset), Vector3d::Zero()};
+    return 1;
+  }
+  bearers[0].body = view_link(state, work, i);
+  bearers[0].from_body_W = -track.groove * bearers[0].body.rotation.col(0);
+  if (track.joint == JointForm::single_pin) return 1;
+  bearers[1].body = view_link(state, work, before);
+  bearers[1].from_body_W = track.groove * bearers[1].body.rotation.col(0);
+  return 2;
 }
 
 }  // namespace
@@ -141,16 +180,21 @@ void sprocket_contacts(const System& system, const AssemblyKnobs& knobs, const S
     const double stiffness = knobs.stiffness_scale * sprocket.contact.stiffness;
     for_links_within(track, state, center, reach, [&](int first, const LaneMask& near) {
       for (unsigned left = bits_of(near); left != 0; left &= left - 1) {
-        const LinkView link = view_link(state, work, first + std::countr_zero(left));
-        const Vector3d pin = -0.5 * track.pitch * link.rotation.col(0);
+        std::array<PinBearer, 2> middle, points;
+        const std::size_t count = find_bearers(track, state, work, first + std::countr_zero(left), middle);
+        const auto meeting = [&](double lateral) {
+          points = middle;
+          Vector3d pin = Vector3d::Zero();
+          for (PinBearer& bearer : std::span(points.data(), count)) {
+            bearer.from_body_W += lateral * bearer.body.rotation.col(1);
+            pin += (bearer.body.position - state.chassis.position) + bearer.from_body_W;
+          }
+          return PinMeeting{track, {points.data(), count}, pin / static_cast<double>(count)};
+        };
         const Matrix3d& R_WS = work.chassis.rotation[body];
-        const Vector3d link_from_base = link.position - state.chassis.position;
         const double outwards = track.lateral * sprocket.ring_offset;
-        for (const double ring : {-outwards, outwards}) {
-          const Vector3d arm = pin + ring * link.rotation.col(1);
-          meet_ring({track, link, arm, link_from_base + arm}, stiffness, R_WS, from_base, work);
-        }
-        meet_sides({track, link, pin, link_from_base + pin}, R_WS, from_base, work);
+        for (const double ring : {-outwards, outwards}) meet_ring(meeting(ring), stiffness, R_WS, from_base, work);
+        meet_sides(meeting(0.0), R_WS, from_base, work);
       }
     });
   }

@@ -12,6 +12,8 @@ namespace grouser::test {
 namespace {
 
 constexpr double k_length = 0.063;  // m, of the connector
+/// W: connectors are placed within 1 N and 0.4 N m of their balance, and these joints part at 5 m/s and 40 rad/s.
+constexpr double k_balance_power = 20.0;
 
 /// Two links and the joint from link 0 to link 1.
 struct DoublePinPair {
@@ -120,8 +122,8 @@ TEST(DoublePin, ElasticPowerIsTheLossOfStoredEnergy) {
     constexpr double k_dt = 1e-7;
     const double energy_rate = (stored(k_dt) - stored(-k_dt)) / (2.0 * k_dt);
     const double energy = stored(0.0), power = pair.power();
-    // The difference quotient's cancellation as for the single pin, and a connector placed within 1 N of its balance.
-    ASSERT_NEAR(power, -energy_rate, 1e-7 * (std::abs(power) + energy / 1e-3) + 3.0) << "pose " << n;
+    // The difference quotient's cancellation as for the single pin.
+    ASSERT_NEAR(power, -energy_rate, 1e-7 * (std::abs(power) + energy / 1e-3) + k_balance_power) << "pose " << n;
   }
 }
 
@@ -154,7 +156,7 @@ TEST(DoublePin, WholeRubberTurnsPowerIntoStorageAndLossInEachOfItsBushings) {
       loss += bushing->rubber.energy.power[0];
     }
     pair.evaluate(before, k_h);
-    ASSERT_NEAR(pair.power(), -work_of_rubber, 1e-6 * std::abs(work_of_rubber) + 3.0) << "pose " << n;
+    ASSERT_NEAR(pair.power(), -work_of_rubber, 1e-6 * std::abs(work_of_rubber) + k_balance_power) << "pose " << n;
     ASSERT_GE(loss, 0.0);
   }
 }
