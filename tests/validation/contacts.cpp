@@ -1,6 +1,7 @@
 #include "simulator/contacts.h"
 
 #include <cmath>
+#include <stdexcept>
 
 #include "simulator/energy_book.h"
 #include "tests/support/closed_forms.h"
@@ -80,7 +81,7 @@ void add_slope(Chapter& chapter) {
     Stepper stepper(system, standing_link(system), {});
     EnergyBook book = open_book(stepper.work().energy);
     while (stepper.state().time < 0.5) {
-      if (stepper.step(1e9) != StepStatus::ok) break;
+      if (stepper.step(1e9) != StepStatus::ok) throw std::runtime_error("a step of the sliding link failed");
       book_step(book, stepper.work().energy, stepper.last_step());
     }
     const double way = get_link(stepper.state(), k_ground_link).position.x() - 20.0;
