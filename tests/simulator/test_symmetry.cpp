@@ -36,34 +36,6 @@ TEST(Symmetry, ExchangedDrivesGiveTheMirroredMotion) {
   }
 }
 
-/// The same state in a world turned by `angle` about z.
-State turned(const State& state, double angle) {
-  State out = state;
-  const Quaterniond turn(Eigen::AngleAxisd(angle, Vector3d::UnitZ()));
-  const auto turn_fields = [&](Field& x, Field& y, int row) {
-    for (int i = 0; i < x.length(); ++i) {
-      const Vector3d v = turn * Vector3d(x[row][i], y[row][i], 0.0);
-      x[row][i] = v.x();
-      y[row][i] = v.y();
-    }
-  };
-  for (int i = 0; i < state.position.length(); ++i) {
-    LinkMotion link = get_link(state, i);
-    link.position = turn * link.position;
-    link.velocity = turn * link.velocity;
-    link.orientation = turn * link.orientation;
-    set_link(out, i, link);
-  }
-  for (int row = 0; row < state.history.anchor_x.components(); ++row) {
-    turn_fields(out.history.anchor_x, out.history.anchor_y, row);
-    turn_fields(out.history.stretch_x, out.history.stretch_y, row);
-  }
-  out.chassis.position = turn * state.chassis.position;
-  out.chassis.velocity = turn * state.chassis.velocity;
-  out.chassis.orientation = turn * state.chassis.orientation;
-  return out;
-}
-
 TEST(Symmetry, TurningTheWorldChangesNothing) {
   constexpr double k_angle = 1.1;  // rad
   const System system = driven(6.0, 9.0);

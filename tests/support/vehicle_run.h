@@ -1,5 +1,4 @@
 #pragma once
-#include <functional>
 #include <string>
 
 #include "tests/support/vehicle_scene.h"
@@ -11,10 +10,6 @@ namespace grouser::test {
 [[nodiscard]] Scenario shipped_scenario(const std::string& name);
 
 [[nodiscard]] VehicleScene at_rest(const Scenario& scenario);
-
-/// Steps from `start` to `until`; `look` sees every accepted step. Throws when a step fails.
-ShortRun follow(const System& system, const State& start, const AssemblyKnobs& knobs, double until,
-                const std::function<void(const Stepper&)>& look = {});
 
 /// Linear springs with dampers: a joint whose stiffness is one number.
 [[nodiscard]] Bushing linear_bushing();
@@ -42,8 +37,5 @@ struct GroundPress {
   std::vector<double> wheel_forces;  ///< N, left track, weight of its links on the ground taken off; front to rear
 };
 [[nodiscard]] GroundPress press_on_ground(const System& system, const State& state);
-
-/// The same state in a world turned by `angle` about z.
-[[nodiscard]] State turned(const State& state, double angle);
 
 }  // namespace grouser::test

@@ -1,4 +1,6 @@
 #pragma once
+#include <functional>
+
 #include "simulator/assembly.h"
 #include "simulator/energy_book.h"
 #include "tests/support/scenes.h"
@@ -22,6 +24,13 @@ struct ShortRun {
   EnergyBook book;
   long steps = 0;
 };
+/// Steps from `start` to `until`; `look` sees every accepted step. Throws when a step fails.
+ShortRun follow(const System& system, const State& start, const AssemblyKnobs& knobs, double until,
+                const std::function<void(const Stepper&)>& look = {});
+/// The same with the knobs of reference_scene().
 [[nodiscard]] ShortRun run_for(const System& system, const State& start, double duration);
+
+/// The same state in a world turned by `angle` about z.
+[[nodiscard]] State turned(const State& state, double angle);
 
 }  // namespace grouser::test
