@@ -28,7 +28,7 @@ std::vector<Study> studies() {
     stiffness.cases.push_back(
         {std::string("x") + factor, "run_a.json", {std::string("bushing_scale=") + factor}, weight});
   const Study connection{"connection",
-                         {{"single_pin", "run_a.json", {}, 1.0}, {"double_pin", "run_a_double_pin.json", {}, 2.0}}};
+                         {{"single_pin", "run_a.json", {}, 1.0}, {"double_pin", "run_a_double_pin.json", {}, 3.4}}};
   return {stiffness, connection};
 }
 
@@ -81,7 +81,8 @@ Result run_study(const std::string& name, const fs::path& given_data, const fs::
   write_report(runs, own / "report.html");
   write_index(folder);
   static_cast<void>(progress({1.0, "index"}));
-  for (const fs::path& run : runs) result.lines.push_back(headline(read_run_summary(run / "run.json")));
+  for (const fs::path& run : runs)
+    result.lines.push_back(run.filename().string() + ": " + headline(read_run_summary(run / "run.json")));
   for (const fs::path& made : {own / "report.html", folder / "index.html"}) {
     result.lines.push_back(made.string());
     result.json["outputs"].push_back(made.string());

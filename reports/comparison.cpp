@@ -21,11 +21,13 @@ using Folders = std::vector<RunFolder>;
 
 json no_number() { return {{"value", nullptr}, {"text", "–"}}; }
 
-/// Change from the first run as a fraction of it; none where the first is 0 or round-off.
+/// Change from the first run as a fraction of it; none where the first is 0 or round-off, or of the other sign.
 json change_facts(const std::optional<double>& first, const std::optional<double>& other) {
   constexpr double k_round_off = 1e-9;
-  if (!first || !other || std::abs(*first) < k_round_off) return no_number();
+  if (!first || !other || std::abs(*first) < k_round_off || *first * *other < 0.0) return no_number();
   const double change = (*other - *first) / std::abs(*first);
+  constexpr double k_many_times = 10.0;  // from there on a factor says more than per cent
+  if (change >= k_many_times) return {{"value", change}, {"text", "× " + number_text(*other / *first, 3)}};
   return {{"value", change}, {"text", signed_percent_text(change)}};
 }
 

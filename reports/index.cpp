@@ -123,10 +123,12 @@ json study_card(const std::filesystem::path& folder) {
   const auto passed = std::ranges::count_if(runs, [](const json& run) { return run["pass"].get<bool>(); });
   const bool all = passed == static_cast<long>(runs.size());
   json facts{{"kind", "Study"}, {"title", report["page_title"]}};
-  facts["verdict"] = {{"pass", all},
-                      {"partial", passed > 0},
-                      {"text", all ? fmt::format("all {} runs complete and pass their checks", runs.size())
-                                   : fmt::format("{} of {} runs complete and pass their checks", passed, runs.size())}};
+  facts["verdict"] = {
+      {"pass", all},
+      {"partial", passed > 0},
+      {"text", all ? fmt::format("{} complete and pass their checks",
+                                 runs.size() == 2 ? "both runs" : fmt::format("all {} runs", runs.size()))
+                   : fmt::format("{} of {} runs complete and pass their checks", passed, runs.size())}};
   facts["numbers"] = json::array();
   for (const json& run : runs) facts["numbers"].push_back({{"label", run["name"]}, {"text", run["status"]}});
   facts["payload_picture"] = facts["payload_dark"] = false;

@@ -114,6 +114,8 @@ std::string label_of(const std::string& document, const std::string& family, con
     if (!word.empty() && word != "*") label += (label.empty() ? "" : " ") + word;
     word.clear();
   }
+  for (const auto& [plain, right] : {std::pair{"pre tension", "pre-tension"}, {"pre torsion", "pre-torsion"}})
+    if (const std::size_t at = label.find(plain); at != std::string::npos) label.replace(at, 11, right);
   return members.empty() ? label : label + " (" + members + ")";
 }
 

@@ -167,12 +167,16 @@ void add_results(const RunSummary& summary, std::vector<Measure>& measures) {
     const char* group;
     const char* name;
   };
-  constexpr std::array<Known, 6> k_known{{{"largest_tension_N", "tension", "largest"},
-                                          {"least_tension_N", "tension", "least"},
-                                          {"link_passing_torque_N_m", "torque", "torque at link passing"},
-                                          {"bushing_x_largest_over_identified", "rubber", "x, along the track"},
-                                          {"bushing_z_largest_over_identified", "rubber", "z, normal to the link"},
-                                          {"bushing_ry_largest_over_identified", "rubber", "ry, hinge"}}};
+  constexpr std::array<Known, 10> k_known{{{"largest_tension_N", "tension", "largest"},
+                                           {"least_tension_N", "tension", "least"},
+                                           {"link_passing_torque_N_m", "torque", "torque at link passing"},
+                                           {"bushing_torsion_largest_rad", "twist", "largest"},
+                                           {"bushing_torsion_rms_rad", "twist", "rms"},
+                                           {"bushing_torsion_moment_largest_N_m", "moment", "largest"},
+                                           {"bushing_torsion_moment_rms_N_m", "moment", "rms"},
+                                           {"bushing_x_largest_over_identified", "rubber", "x, along the track"},
+                                           {"bushing_z_largest_over_identified", "rubber", "z, normal to the link"},
+                                           {"bushing_ry_largest_over_identified", "rubber", "ry, hinge"}}};
   for (const Known& known : k_known) {
     const auto result = std::ranges::find(summary.results, known.result, &RunResult::name);
     if (result != summary.results.end()) measures.push_back({known.group, known.name, result->unit, result->value});
@@ -193,6 +197,8 @@ const std::vector<MeasureGroup>& measure_groups() {
       {"resistance", "Rolling resistance", "Force [kN]", 1e-3, false},
       {"residual", "Energy residual over ∫|P| dt", "Fraction [1e-6]", 1e6, false},
       {"height", "Ride height against design", "Height [mm]", 1e3, false},
+      {"twist", "Twist of one bushing", "Angle [deg]", 180.0 / k_pi, false},
+      {"moment", "Hinge moment of one bushing", "Moment [N m]", 1.0, false},
       {"rubber", "Deflection over what was identified", "Ratio [1]", 1.0, true}};
   return groups;
 }

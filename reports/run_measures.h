@@ -29,7 +29,7 @@ struct Measure {
 /// whole run), largest and least tension in a bushing, sprocket torque at link passing, the force that 99.9 % of the
 /// contact samples of a partner stay below (all links, whole run), step sizes and what bounded them, force evaluations
 /// a simulated second, rolling resistance (sprocket work over distance in the steady drive), energy residual, ride
-/// height, and how far the rubber was deflected.
+/// height, twist and hinge moment of one bushing, and how far the rubber was deflected beyond what was identified.
 [[nodiscard]] std::vector<Measure> run_measures(const RunFolder& run);
 
 }  // namespace grouser

@@ -203,6 +203,24 @@ json table_row(const Curve& curve, const std::vector<double>& x) {
           {"power", {{"value", std::isfinite(power) ? json(power) : json()}, {"text", number_text(power, 2)}}}};
 }
 
+/// Where the rubber was driven furthest beyond what was identified, if it was.
+std::string care_of(const InputDifference& parameter, const std::vector<Curve>& curves) {
+  double most = 1.0;
+  std::string text;
+  for (const Curve& curve : curves) {
+    if (curve.group->key != std::string("rubber")) continue;
+    for (std::size_t k = 0; k < curve.values.size(); ++k) {
+      if (!(curve.values[k] > most)) continue;
+      most = curve.values[k];
+      text = fmt::format(
+          "At {} {} a bushing is deflected {} times as far as it was identified ({}); there its law goes "
+          "on as a straight line, and the peaks are worth as much as that assumption.",
+          parameter.label, parameter.texts[k], number_text(most, 2), curve.name);
+    }
+  }
+  return text;
+}
+
 /// Of the paper's own words on the matter, where the parameter is theirs.
 std::string note_of(const InputDifference& parameter) {
   if (!parameter.label.starts_with("bushing scale")) return "";
@@ -240,6 +258,7 @@ json study_facts(const std::vector<RunFolder>& runs, const InputDifference& para
   facts["is_synthetic"] =
       std::ranges::any_of(runs, [](const RunFolder& run) { return run.scenario.bushing.synthetic; });
   facts["conclusion"] = {first_sentence(parameter, curves), second_sentence(parameter, x, curves)};
+  facts["care"] = care_of(parameter, curves);
   facts["paper"] = note_of(parameter);
   facts["figure"] = figure_block(study_figure(parameter, x, curves), id + "-figure");
   facts["columns"] = json::array();

@@ -67,6 +67,8 @@ TEST_F(Studies, RunsThatDifferInOneNumberAreFollowedOverIt) {
   EXPECT_THAT(study["conclusion"][0].get<std::string>(),
               HasSubstr("the largest tension in a bushing rises by 100 % (126 kN to 253 kN)"));
   EXPECT_THAT(study["conclusion"][1].get<std::string>(), HasSubstr("to the power −0.50 over all"));
+  EXPECT_THAT(study["care"].get<std::string>(),
+              HasSubstr("At bushing scale 0.25 a bushing is deflected 6.0 times as far as it was identified"));
   EXPECT_THAT(study["paper"].get<std::string>(), HasSubstr("Section 7"));
   const json step = find_row(study["groups"], "mean");
   EXPECT_NEAR(step["power"]["value"].get<double>(), -0.5, 1e-12);
@@ -105,11 +107,11 @@ TEST_F(Studies, WhatBothSidesChangeAlikeIsOneDifference) {
   });
   std::vector<InputDifference> found = differences({"a", "b"});
   ASSERT_EQ(found.size(), 1u);
-  EXPECT_EQ(found[0].label, "vehicle track pre tension");
+  EXPECT_EQ(found[0].label, "vehicle track pre-tension");
   edit("b", "vehicle.json", [](json& j) { j["right"]["track"]["pre_tension_kN"] = 50; });
   found = differences({"a", "b"});
   ASSERT_EQ(found.size(), 1u);
-  EXPECT_EQ(found[0].label, "vehicle track pre tension (left)");
+  EXPECT_EQ(found[0].label, "vehicle track pre-tension (left)");
 }
 
 TEST_F(Studies, AScaleOfOneAxisIsToldFromOneOfAll) {

@@ -211,6 +211,7 @@ RunSummary summary_of(const RunOptions& options) {
       {"distance_m", 140.2, "m", "distance"},
       {"largest_tension_N", 178.8e3 * std::pow(options.bushing_scale, 0.25), "N", "in any bushing at any step"},
       {"bushing_torsion_rms_rad", options.double_pin ? 0.05 : 0.1, "rad", "twist of one bushing"},
+      {"bushing_x_largest_over_identified", 1.5 / options.bushing_scale, "1", "largest over identified"},
       {"mean_contacts_sprocket_flank_driving", 9.5, "1", "mean number of contacts of this case"},
       {"mean_contacts_guide_top", 0.0, "1", "mean number of contacts of this case"},
       {"mean_step_s", s.steps.mean, "s", "mean accepted step"}};
