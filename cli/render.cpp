@@ -1,7 +1,9 @@
 #include "render/render.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <charconv>
 #include <memory>
 
@@ -17,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string run_folder;
+  std::vector<std::string> run_folders;
   std::string folder;
   std::string film = "film.mp4";
   bool frames = false;
@@ -38,16 +40,23 @@ std::string read_size(const std::string& text, int& width, int& height) {
   return "expected WIDTHxHEIGHT, even numbers from 16 to 8192, found " + text;
 }
 
+std::string output_folder(const Options& options) {
+  return options.folder.empty() ? options.run_folders.front() : options.folder;
+}
+
 /// A relative FILE stands in the -o folder when one was asked for, else where any path of a command line does.
 fs::path film_file(const Options& options, bool film_named) {
-  if (!film_named) return fs::path(options.folder.empty() ? options.run_folder : options.folder) / options.film;
+  if (!film_named) return fs::path(output_folder(options)) / options.film;
   return fs::path(options.folder) / options.film;
 }
 
-/// Throws InputError for a time that the run does not have.
-void check_times(const RunFolder& run, const std::vector<double>& times) {
-  const std::vector<double> sampled = run.channels.read("/time").values;
-  const double end = sampled.empty() ? 0.0 : sampled.back();
+/// Throws InputError for a time that no run has.
+void check_times(const std::vector<RunFolder>& runs, const std::vector<double>& times) {
+  double end = 0.0;
+  for (const RunFolder& run : runs) {
+    const std::vector<double> sampled = run.channels.read("/time").values;
+    if (!sampled.empty()) end = std::max(end, sampled.back());
+  }
   std::vector<InputFinding> findings;
   for (const double time : times) {
     if (time >= 0.0 && time <= end) continue;
@@ -56,10 +65,27 @@ void check_times(const RunFolder& run, const std::vector<double>& times) {
   if (!findings.empty()) throw InputError(findings);
 }
 
+fs::path write_still(const Runs& runs, double time, const RenderOptions& options, const fs::path& folder) {
+  const fs::path file = folder / fmt::format("still_{:.3f}s.png", time);
+  write_png(render_still(runs, time, options), file);
+  return file;
+}
+
+/// A name of camera_names(), or a file.
+RenderOptions with_camera(RenderOptions render) {
+  if (!render.camera.ends_with(".json")) return render;
+  render.view = read_camera_view(render.camera);
+  return render;
+}
+
 Result run(const Options& options, bool film_named, Console& console) {
-  const RunFolder opened = open_run_folder(options.run_folder);
+  std::vector<RunFolder> opened;
+  Runs runs;
+  for (const std::string& folder : options.run_folders) opened.push_back(open_run_folder(folder));
+  for (const RunFolder& each : opened) runs.push_back(&each);
   check_times(opened, options.stills);
-  const fs::path folder = options.folder.empty() ? options.run_folder : options.folder;
+  const RenderOptions render = with_camera(options.render);
+  const fs::path folder = output_folder(options);
   fs::create_directories(folder);
   Result result;
   const auto made = [&result](const fs::path& file) {
@@ -67,9 +93,9 @@ Result run(const Options& options, bool film_named, Console& console) {
     result.json["outputs"].push_back(file.string());
   };
   if (!options.stills.empty()) {
-    for (const double time : options.stills) made(still_into(opened, time, options.render, folder));
+    for (const double time : options.stills) made(write_still(runs, time, render, folder));
   } else if (options.frames) {
-    const int count = render_frames(opened, folder, options.render, console.progress("render"));
+    const int count = render_frames(runs, folder, render, console.progress("render"));
     for (int i = 0; i < count; ++i)
       result.json["outputs"].push_back((folder / fmt::format("frame_{:06}.png", i)).string());
     result.lines.push_back(fmt::format("{} frames in {}", count, folder.string()));
@@ -77,7 +103,7 @@ Result run(const Options& options, bool film_named, Console& console) {
   } else {
     const fs::path file = film_file(options, film_named);
     if (file.has_parent_path()) fs::create_directories(file.parent_path());
-    result.json["frames"] = render_film(opened, file, options.render, console.progress("render"));
+    result.json["frames"] = render_film(runs, file, render, console.progress("render"));
     if (!interrupted()) made(file);
   }
   if (interrupted()) result.code = ExitCode::interrupted;
@@ -87,15 +113,14 @@ Result run(const Options& options, bool film_named, Console& console) {
 }  // namespace
 
 fs::path still_into(const RunFolder& run, double time, const RenderOptions& options, const fs::path& folder) {
-  const fs::path file = folder / fmt::format("still_{:.3f}s.png", time);
-  write_png(render_still(run, time, options), file);
-  return file;
+  return write_still({&run}, time, options, folder);
 }
 
 Command add_render(CLI::App& root) {
   CLI::App* app = root.add_subcommand("render", "Pictures of a run: a film, its frames, or stills");
   const auto options = std::make_shared<Options>();
-  app->add_option("RUN_DIR", options->run_folder, "Folder that `grouser simulate` wrote")->required();
+  app->add_option("RUN_DIR", options->run_folders, "Folder that `grouser simulate` wrote; several stand side by side")
+      ->required();
   app->add_option("-o,--output", options->folder, "Folder of the pictures [RUN_DIR]")->type_name("DIR");
   CLI::Option* film = app->add_option("--film", options->film,
                                       "Film to write; this is also what happens without --film, "
@@ -114,12 +139,23 @@ Command add_render(CLI::App& root) {
       ->capture_default_str()
       ->check(CLI::Validator(
           [options](std::string& text) { return read_size(text, options->render.width, options->render.height); }, ""));
-  app->add_option("--fps", options->render.fps, "Pictures a second of the run")
+  app->add_option("--fps", options->render.fps, "Pictures a second of the film")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app->add_option("--camera", options->render.camera, "Where to look from")
-      ->check(CLI::IsMember(camera_names()))
+  app->add_option("--speed", options->render.speed, "Seconds of the run in a second of the film; 0.25 is slow motion")
+      ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  app->add_option("--camera", options->render.camera,
+                  fmt::format("Where to look from: {}, or a file grouser.camera/1", fmt::join(camera_names(), ", ")))
+      ->type_name("NAME|FILE.json")
+      ->check(CLI::IsMember(camera_names()) | ending_in(".json"))
+      ->capture_default_str();
+  app->add_option("--overlay", options->render.overlays,
+                  fmt::format("Physics to draw over the picture, by commas: {}", fmt::join(overlay_names(), ", ")))
+      ->type_name("NAME,...")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(overlay_names()));
   return {app, [options, film](Console& console) { return run(*options, film->count() > 0, console); }};
 }
 

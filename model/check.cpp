@@ -1,5 +1,6 @@
 #include "model/check.h"
 
+#include "model/camera_view.h"
 #include "model/file_json.h"
 #include "model/fit.h"
 #include "model/replay.h"
@@ -62,6 +63,8 @@ std::string check_run(const std::filesystem::path& file) {
   return "run " + run.name + ", " + name_of(run.status);
 }
 
+std::string check_camera(const std::filesystem::path& file) { return "camera " + read_camera_view(file).name; }
+
 struct Kind {
   const char* format;
   std::string (*check)(const std::filesystem::path&);
@@ -69,7 +72,7 @@ struct Kind {
 constexpr Kind k_kinds[] = {{k_rig_format, check_rig},         {k_bushing_format, check_bushing},
                             {k_fit_format, check_fit},         {k_replay_format, check_replay},
                             {k_vehicle_format, check_vehicle}, {k_scenario_format, check_scenario},
-                            {k_run_format, check_run}};
+                            {k_run_format, check_run},         {k_camera_format, check_camera}};
 
 /// The file's `format`; throws InputError when it has no readable one.
 std::string format_of(const std::filesystem::path& file) {

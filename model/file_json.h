@@ -12,6 +12,7 @@
 namespace grouser {
 
 inline constexpr const char* k_bushing_format = "grouser.bushing/1";
+inline constexpr const char* k_camera_format = "grouser.camera/1";
 inline constexpr const char* k_fit_format = "grouser.fit/1";
 inline constexpr const char* k_replay_format = "grouser.replay/1";
 inline constexpr const char* k_rig_format = "grouser.rig/1";

@@ -41,13 +41,21 @@ Camera perspective_camera(const Vector3f& eye, const Vector3f& target, float deg
   return camera;
 }
 
+/// What stands between eye and target is cut away half a metre before the target when the ground is shown in section.
 Camera parallel_camera(const Vector3f& eye, const Vector3f& target, float height) {
   Camera camera;
   camera.eye = eye;
   camera.target = target;
   camera.parallel_height = height;
   camera.far_plane = 150.0f;
+  if (camera.shows_section()) camera.near_plane = std::max(0.01f, (target - eye).norm() - 0.5f);
   return camera;
+}
+
+/// `up` may not lie along the line of sight.
+void keep_up_apart(Camera& camera, const Vector3f& forward) {
+  const Vector3f along = (camera.target - camera.eye).normalized();
+  if (std::abs(along.z()) > 0.999f) camera.up = forward;
 }
 
 }  // namespace
@@ -85,7 +93,7 @@ double heading_of(const Quaterniond& orientation) {
   return std::atan2(forward.y(), forward.x());
 }
 
-std::vector<std::string> camera_names() { return {"chase", "side", "front", "sprocket", "top", "orbit"}; }
+std::vector<std::string> camera_names() { return {"chase", "side", "front", "sprocket", "road_wheel", "top", "orbit"}; }
 
 Camera make_camera(const std::string& name, const Subject& subject, float aspect) {
   const double heading = heading_of(subject.pose.chassis.orientation);
@@ -93,8 +101,8 @@ Camera make_camera(const std::string& name, const Subject& subject, float aspect
   const float middle = 0.5f * (subject.front + subject.rear), length = subject.front - subject.rear;
   if (name == "chase")
     // Far enough that a gun stays in the picture at every heading.
-    return perspective_camera(start.at(1.60f * length, -1.36f * length, 0.65f * length),
-                              start.at(middle + 0.075f * length, 0.0f, 0.95f), 36.0f);
+    return perspective_camera(start.at(1.36f * length, -1.16f * length, 0.55f * length), start.at(middle, 0.0f, 1.15f),
+                              36.0f);
   if (name == "front")
     return perspective_camera(body.at(1.9f * length, -0.18f * length, 0.22f * length), body.at(middle, 0.0f, 1.1f),
                               24.0f);
@@ -103,9 +111,15 @@ Camera make_camera(const std::string& name, const Subject& subject, float aspect
     return perspective_camera(body.at(s.x() - 0.75f, -(subject.half_width + 2.35f), s.z() + 0.5f),
                               body.at(s.x() + 0.22f, s.y(), s.z() - 0.08f), 36.0f);
   }
+  if (name == "road_wheel") {
+    const Vector3f& w = subject.wheel;
+    return perspective_camera(body.at(w.x() - 0.55f, -(subject.half_width + 1.9f), w.z() + 0.42f),
+                              body.at(w.x() + 0.1f, w.y(), w.z() - 0.02f), 33.0f);
+  }
   if (name == "top") {  // the front points to the right
-    Camera camera =
-        perspective_camera(body.at(middle + 0.8f, 0.0f, 2.35f * length), body.at(middle + 0.8f, 0.0f, 0.0f), 30.0f);
+    // Room for a gun ahead, and for the legends' corner behind.
+    const float height = std::max((length + 6.2f) / aspect, 2.0f * subject.half_width + 1.6f);
+    Camera camera = parallel_camera(body.at(middle, 0.0f, 30.0f), body.at(middle, 0.0f, 0.0f), height);
     camera.up = body.turn * Vector3f::UnitY();
     return camera;
   }
@@ -117,11 +131,29 @@ Camera make_camera(const std::string& name, const Subject& subject, float aspect
   }
   if (name == "side") {
     const float height = (length + 1.7f) / aspect;  // running gear with its track, and a margin
-    return parallel_camera(body.at(middle, -20.0f, 1.9f + 0.3f * height), body.at(middle, 0.0f, 0.3f * height), height);
+    const float outside = -(subject.half_width + 0.03f), center = 0.27f * height;
+    return parallel_camera(body.at(middle, outside - 20.0f, center), body.at(middle, outside, center), height);
   }
   std::string known;
   for (const std::string& each : camera_names()) known += (known.empty() ? "" : ", ") + each;
   throw InputError({"", "camera", "one of " + known, name, ""});
+}
+
+Camera make_camera(const CameraView& view, const Subject& subject) {
+  const BodyPose& chassis = subject.pose.chassis;
+  const Follower follower(subject,
+                          view.mount == CameraMount::follow ? subject.start_heading : heading_of(chassis.orientation));
+  const auto placed = [&](const Vector3d& p) -> Vector3f {
+    if (view.mount == CameraMount::world) return p.cast<float>();
+    if (view.mount == CameraMount::chassis) return (chassis.position + chassis.orientation * p).eval().cast<float>();
+    const Vector3f q = p.cast<float>();
+    return follower.at(q.x(), q.y(), q.z());
+  };
+  const Vector3f eye = placed(view.eye), target = placed(view.target);
+  Camera camera = view.height ? parallel_camera(eye, target, static_cast<float>(*view.height))
+                              : perspective_camera(eye, target, static_cast<float>(view.field_of_view * 180.0 / k_pi));
+  keep_up_apart(camera, follower.turn * Vector3f::UnitX());
+  return camera;
 }
 
 }  // namespace grouser

@@ -1,7 +1,9 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "model/camera_view.h"
 #include "render/mesh.h"
 #include "render/pose.h"
 
@@ -15,6 +17,11 @@ struct Camera {
   float field_of_view = 0.6f;    ///< rad, vertical, of a perspective
   float parallel_height = 0.0f;  ///< m
   float near_plane = 0.3f, far_plane = 400.0f;
+
+  /// A parallel view along the horizon: the ground is edge-on, so it is shown cut open at the target.
+  [[nodiscard]] bool shows_section() const {
+    return parallel_height > 0.0f && std::abs((target - eye).normalized().z()) < 1e-3f;
+  }
 
   /// World to clip space for a picture of the given width / height.
   [[nodiscard]] Matrix4f view_projection(float aspect) const;
@@ -30,14 +37,17 @@ struct Subject {
   VehiclePose pose;
   double start_heading = 0.0;            ///< rad about z at the run's first sample
   Vector3f sprocket = Vector3f::Zero();  ///< centre of the right sprocket in V
+  Vector3f wheel = Vector3f::Zero();     ///< centre of the right road wheel in the middle, in V
   float front = 3.5f, rear = -3.5f;      ///< m, ends of the running gear in V
   float half_width = 1.7f;               ///< m, outside of the tracks
   float ground = 0.0f;                   ///< m, height of the plane under the vehicle
 };
 
-/// `chase` keeps the heading of the start, so that a turn is seen as a turn; `orbit` goes round once in 20 s; `side`,
-/// `sprocket`, `top` and `front` follow the heading. `aspect`: width / height. Throws InputError for another name.
+/// `chase` keeps the heading of the start, so that a turn is seen as a turn; `orbit` goes round once in 20 s; the
+/// others follow the heading; `side` is an elevation and `top` a plan. `aspect`: width / height. Throws InputError for
+/// another name.
 [[nodiscard]] Camera make_camera(const std::string& name, const Subject& subject, float aspect);
+[[nodiscard]] Camera make_camera(const CameraView& view, const Subject& subject);
 
 [[nodiscard]] double heading_of(const Quaterniond& orientation);
 

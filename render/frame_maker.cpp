@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <opencv2/imgproc.hpp>
 
+#include "render/ground_section.h"
 #include "render/terrain_mesh.h"
 
 namespace grouser {
@@ -21,6 +23,10 @@ Image reduced(const Image& from, int factor) {
   return image;
 }
 
+double tread_of(const Vehicle& vehicle) {
+  return vehicle.side(Side::left).track_center_y - vehicle.side(Side::right).track_center_y;
+}
+
 float aspect_of(const RenderOptions& options) {
   return static_cast<float>(options.width) / static_cast<float>(options.height);
 }
@@ -29,7 +35,7 @@ float aspect_of(const RenderOptions& options) {
 
 FrameMaker::FrameMaker(const RunFolder& run, const RenderOptions& options, int supersampling)
     : options_(options),
-      ground_(run.scenario.terrain),
+      ground_(run.scenario.terrain, tread_of(run.vehicle)),
       supersampling_(supersampling),
       name_(run.summary.name),
       note_(run.summary.provenance.synthetic.empty() ? "" : "synthetic rig data"),
@@ -37,11 +43,18 @@ FrameMaker::FrameMaker(const RunFolder& run, const RenderOptions& options, int s
       model_(run.vehicle, run.scenario.output.probes),
       renderer_(context_, supersampling * options.width, supersampling * options.height),
       caption_(context_, renderer_.width(), renderer_.height(), renderer_.picture()) {
-  if (!ground_.level()) {
-    const auto& [left, right] = run.vehicle.sides;
-    terrain_ = std::make_shared<const Mesh>(terrain_mesh(ground_, left.track_center_y - right.track_center_y));
-  }
+  if (!options.overlays.empty()) overlay_.emplace(run, options.overlays, model_);
+  if (!ground_.level())
+    terrain_ = std::make_shared<const Mesh>(terrain_mesh(run.scenario.terrain, tread_of(run.vehicle)));
+  slope_ = {static_cast<float>(run.scenario.terrain.slope), static_cast<float>(run.scenario.terrain.cross_slope)};
   start_heading_ = heading_of(poses_.at(first_time()).chassis.orientation);
+}
+
+Camera FrameMaker::camera_at(const VehiclePose& pose) const {
+  Subject subject = model_.subject(pose, start_heading_);
+  subject.ground = slope_.dot(pose.chassis.position.head<2>().cast<float>());
+  return options_.view ? make_camera(*options_.view, subject)
+                       : make_camera(options_.camera, subject, aspect_of(options_));
 }
 
 void FrameMaker::write_caption(const VehiclePose& pose) {
@@ -51,7 +64,8 @@ void FrameMaker::write_caption(const VehiclePose& pose) {
   const float bottom = caption_.size().y() - 20.0f * unit;
   std::string name = name_;
   if (!note_.empty()) name += " · " + note_;
-  const std::string numbers = fmt::format("t = {:5.2f} s     {:4.1f} km/h", pose.time, 3.6 * pose.speed);
+  std::string numbers = fmt::format("t = {:5.2f} s     {:4.1f} km/h", pose.time, 3.6 * pose.speed);
+  if (options_.speed != 1.0) numbers += fmt::format("     at {:g} of its speed", options_.speed);
   TextStyle style{size, {{0.0f, 0.0f, 0.0f}, 0.55f}, TextAlign::left, true, false};
   const auto write = [&](float x, float y) {
     style.bold = true;
@@ -62,19 +76,58 @@ void FrameMaker::write_caption(const VehiclePose& pose) {
   write(std::max(1.0f, 1.3f * unit), std::max(1.0f, 1.3f * unit));  // a shadow keeps the text legible on any ground
   style.color = {{1.0f, 1.0f, 1.0f}};
   write(0.0f, 0.0f);
+  if (overlay_) draw_legends(caption_, overlay_->legends(), unit);
 }
 
 Image FrameMaker::at(double time) {
   const VehiclePose pose = poses_.at(time);
   Scene scene = model_.place(pose);
   scene.terrain = terrain_;
-  Subject subject = model_.subject(pose, start_heading_);
-  const Vector3d& chassis = pose.chassis.position;
-  subject.ground = static_cast<float>(ground_.slope * chassis.x() + ground_.cross_slope * chassis.y());
-  scene.camera = make_camera(options_.camera, subject, aspect_of(options_));
+  scene.camera = camera_at(pose);
+  if (scene.camera.shows_section()) scene.section = ground_section(ground_, scene.camera, aspect_of(options_));
+  if (overlay_) overlay_->add_to(scene, pose);
   renderer_.draw(scene);
   write_caption(pose);
   return reduced(caption_.read(), supersampling_);
+}
+
+SplitScreen::SplitScreen(const Runs& runs, const RenderOptions& options, int supersampling) {
+  const int count = static_cast<int>(runs.size());
+  int left = 0;
+  for (int i = 0; i < count; ++i) {
+    const int right = i + 1 == count ? options.width : (i + 1) * options.width / count / 2 * 2;
+    RenderOptions own = options;
+    own.width = right - left;
+    left = right;
+    parts_.push_back(std::make_unique<FrameMaker>(*runs[static_cast<std::size_t>(i)], own, supersampling));
+  }
+}
+
+double SplitScreen::first_time() const {
+  double first = parts_.front()->first_time();
+  for (const auto& part : parts_) first = std::min(first, part->first_time());
+  return first;
+}
+
+double SplitScreen::last_time() const {
+  double last = parts_.front()->last_time();
+  for (const auto& part : parts_) last = std::max(last, part->last_time());
+  return last;
+}
+
+Image SplitScreen::at(double time) {
+  if (parts_.size() == 1) return parts_.front()->at(time);
+  std::vector<Image> images;
+  std::vector<cv::Mat> views;
+  for (const auto& part : parts_) images.push_back(part->at(time));
+  for (Image& image : images) views.emplace_back(image.height, image.width, CV_8UC3, image.bgr.data());
+  cv::Mat joined;
+  cv::hconcat(views, joined);
+  for (int x = 0, i = 0; i + 1 < static_cast<int>(views.size()); ++i) {
+    x += views[static_cast<std::size_t>(i)].cols;
+    joined.colRange(x - 1, x + 1).setTo(cv::Scalar(255, 255, 255));
+  }
+  return {joined.cols, joined.rows, {joined.datastart, joined.dataend}};
 }
 
 Image render_pose(const Vehicle& vehicle, const VehiclePose& pose, const RenderOptions& options) {
@@ -84,12 +137,14 @@ Image render_pose(const Vehicle& vehicle, const VehiclePose& pose, const RenderO
   Scene scene = model.place(pose);
   scene.camera =
       make_camera(options.camera, model.subject(pose, heading_of(pose.chassis.orientation)), aspect_of(options));
+  if (scene.camera.shows_section())
+    scene.section = ground_section(GroundSurface({}, tread_of(vehicle)), scene.camera, aspect_of(options));
   renderer.draw(scene);
   return reduced(renderer.read(), k_still_supersampling);
 }
 
-Image render_still(const RunFolder& run, double time, const RenderOptions& options) {
-  return FrameMaker(run, options, k_still_supersampling).at(time);
+Image render_still(const Runs& runs, double time, const RenderOptions& options) {
+  return SplitScreen(runs, options, k_still_supersampling).at(time);
 }
 
 }  // namespace grouser

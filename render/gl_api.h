@@ -17,7 +17,7 @@ namespace grouser {
   X(DEBUGMESSAGECALLBACK, DebugMessageCallback) X(DELETEBUFFERS, DeleteBuffers) \
   X(DELETEFRAMEBUFFERS, DeleteFramebuffers) X(DELETEPROGRAM, DeleteProgram) \
   X(DELETERENDERBUFFERS, DeleteRenderbuffers) X(DELETESHADER, DeleteShader) X(DELETETEXTURES, DeleteTextures) \
-  X(DELETEVERTEXARRAYS, DeleteVertexArrays) X(DEPTHFUNC, DepthFunc) X(DISABLE, Disable) X(DRAWARRAYS, DrawArrays) \
+  X(DELETEVERTEXARRAYS, DeleteVertexArrays) X(DEPTHFUNC, DepthFunc) X(DEPTHMASK, DepthMask) X(DISABLE, Disable) X(DRAWARRAYS, DrawArrays) \
   X(DRAWARRAYSINSTANCED, DrawArraysInstanced) X(DRAWELEMENTSINSTANCED, DrawElementsInstanced) X(ENABLE, Enable) \
   X(ENABLEVERTEXARRAYATTRIB, EnableVertexArrayAttrib) X(GETERROR, GetError) X(GETINTEGERV, GetIntegerv) \
   X(GETPROGRAMINFOLOG, GetProgramInfoLog) X(GETPROGRAMIV, GetProgramiv) X(GETSHADERINFOLOG, GetShaderInfoLog) \

@@ -7,10 +7,11 @@
 
 namespace grouser {
 
-std::vector<std::uint8_t> encode_png(const Image& image) {
+std::vector<std::uint8_t> encode_png(const Image& image, int level) {
   const cv::Mat pixels(image.height, image.width, CV_8UC3, const_cast<std::uint8_t*>(image.bgr.data()));
   std::vector<std::uint8_t> bytes;
-  if (!cv::imencode(".png", pixels, bytes)) throw FileError("cannot encode a picture as PNG");
+  if (!cv::imencode(".png", pixels, bytes, {cv::IMWRITE_PNG_COMPRESSION, level}))
+    throw FileError("cannot encode a picture as PNG");
   return bytes;
 }
 

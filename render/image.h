@@ -13,7 +13,8 @@ struct Image {
 
 /// PNG, whole or not at all. Throws FileError.
 void write_png(const Image& image, const std::filesystem::path& file);
-[[nodiscard]] std::vector<std::uint8_t> encode_png(const Image& image);
+/// `level`: effort of the compression, 0..9.
+[[nodiscard]] std::vector<std::uint8_t> encode_png(const Image& image, int level = 3);
 /// WebP, for pages: drawings without loss (`quality` above 100) take a fifth of a PNG, photographs lossy (1..100) still
 /// less.
 [[nodiscard]] std::vector<std::uint8_t> encode_webp(const Image& image, int quality = 101);

@@ -14,6 +14,8 @@ float linear(float s) { return s <= 0.04045f ? s / 12.92f : std::pow((s + 0.055f
 
 }  // namespace
 
+Vector3f linear_rgb(const Rgb& color) { return {linear(color[0]), linear(color[1]), linear(color[2])}; }
+
 Rgb parse_color(const std::string& text) {
   Rgb color{};
   bool good = text.size() == 7 && text[0] == '#';
@@ -30,7 +32,7 @@ Rgb parse_color(const std::string& text) {
 
 void Mesh::add_triangle(const std::array<Vector3f, 3>& corners, const std::array<Vector3f, 3>& normals,
                         const Material& material) {
-  const Vector3f color(linear(material.color[0]), linear(material.color[1]), linear(material.color[2]));
+  const Vector3f color = linear_rgb(material.color);
   for (std::size_t i = 0; i < 3; ++i) {
     indices.push_back(static_cast<std::uint32_t>(vertices.size()));
     vertices.push_back({corners[i], normals[i], color, material.gloss});

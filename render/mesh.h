@@ -16,6 +16,9 @@ using Eigen::Vector3f;
 /// sRGB 0..1 from "#rrggbb". Throws InputError for anything else.
 [[nodiscard]] Rgb parse_color(const std::string& text);
 
+/// The same in linear light.
+[[nodiscard]] Vector3f linear_rgb(const Rgb& color);
+
 /// Look of a surface.
 struct Material {
   Rgb color{0.5f, 0.5f, 0.5f};  ///< sRGB

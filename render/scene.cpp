@@ -21,19 +21,19 @@ Placed placed(const Vector3d& position, double angle = 0.0) {
 Placed placed(const BodyPose& pose) { return Eigen::Translation3d(pose.position) * Placed(pose.orientation); }
 
 Instance instance(const Placed& X_WB, const Eigen::Vector4f& tint = Eigen::Vector4f::Zero()) {
-  return {X_WB.matrix().cast<float>(), tint};
+  return {X_WB.matrix().cast<float>(), tint, 0.0f};
 }
 
 }  // namespace
 
 VehicleModel::VehicleModel(const Vehicle& vehicle, const std::vector<ProbeLink>& probes)
     : vehicle_(vehicle), probes_(probes) {
-  auto meshes = std::make_shared<std::vector<SceneMesh>>();
-  const auto add = [&meshes](Mesh shape, Mesh shadow = {}) {
+  meshes_ = std::make_shared<std::vector<SceneMesh>>();
+  const auto add = [this](Mesh shape, Mesh shadow = {}) {
     shape.weld();
     shadow.weld();
-    meshes->push_back({std::move(shape), std::move(shadow)});
-    return meshes->size() - 1;
+    meshes_->push_back({std::move(shape), std::move(shadow)});
+    return meshes_->size() - 1;
   };
   chassis_mesh_ = add(chassis_mesh(vehicle));
   for (std::size_t s = 0; s < k_num_sides; ++s) {
@@ -50,7 +50,21 @@ VehicleModel::VehicleModel(const Vehicle& vehicle, const std::vector<ProbeLink>&
     own.sprocket = add(sprocket_mesh(gear.sprocket, gear.track));
     own.link = add(link_mesh(gear.track), link_shadow_mesh(gear.track));
   }
-  meshes_ = std::move(meshes);
+}
+
+std::size_t VehicleModel::add_annotation(Mesh shape) {
+  shape.weld();
+  meshes_ = std::make_shared<std::vector<SceneMesh>>(*meshes_);  // scenes that were placed keep theirs
+  meshes_->push_back({std::move(shape), {}, true});
+  return meshes_->size() - 1;
+}
+
+void VehicleModel::color_links(Scene& scene, Side side, const std::vector<Vector3f>& colors, float glow) const {
+  std::vector<Instance>& links = scene.instances[side_meshes_[static_cast<std::size_t>(index_of(side))].link];
+  for (std::size_t i = 0; i < links.size() && i < colors.size(); ++i) {
+    links[i].tint << colors[i], 0.88f;
+    links[i].glow = glow;
+  }
 }
 
 Scene VehicleModel::place(const VehiclePose& pose) const {
@@ -103,6 +117,7 @@ Subject VehicleModel::subject(const VehiclePose& pose, double start_heading) con
   subject.start_heading = start_heading;
   const RunningGear& gear = vehicle_.side(Side::right);
   subject.sprocket = gear.sprocket.center.cast<float>();
+  subject.wheel = gear.stations[gear.stations.size() / 2].wheel.center.cast<float>();
   const Vector3d &a = gear.sprocket.center, &b = gear.idler.wheel.center;
   const double wrap = gear.track.wheel_path_height + gear.track.ground_depth;
   subject.front = static_cast<float>(std::max(a.x(), b.x()) + gear.idler.wheel.radius + wrap);

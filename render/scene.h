@@ -1,5 +1,6 @@
 #pragma once
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "model/scenario.h"
@@ -12,12 +13,14 @@ namespace grouser {
 
 struct SceneMesh {
   Mesh shape;
-  Mesh shadow;  ///< coarser outline for the shadow map; empty = shape
+  Mesh shadow;              ///< coarser outline for the shadow map; empty = shape
+  bool annotation = false;  ///< drawn after all else, faintly where it is hidden; casts no shadow
 };
 
 struct Instance {
   Matrix4f X_WB = Matrix4f::Identity();            ///< mesh to World
   Eigen::Vector4f tint = Eigen::Vector4f::Zero();  ///< linear colour and its share 0..1 of the mesh's own
+  float glow = 0.0f;  ///< share 0..1 of the picture's brightness that does not come from the sun: colours of a legend
 };
 
 /// Rectangle on the ground under the vehicle, where little of the sky is seen.
@@ -35,7 +38,10 @@ struct Scene {
   float shadow_radius = 5.0f;                                  ///< m
   Footprint footprint;
   bool ground = true;
-  std::shared_ptr<const Mesh> terrain;  ///< in World, drawn as ground; without it the ground is the plane z = 0
+  std::shared_ptr<const Mesh> terrain;     ///< in World, drawn as ground; without it the ground is the plane z = 0
+  std::optional<std::size_t> see_through;  ///< a mesh of which little is drawn, so that what it hides is seen
+  Mesh section;  ///< of the ground, in World; the normal's z is the depth below the surface [m]
+  Mesh trails;   ///< annotation in World
 };
 
 /// Meshes of one vehicle, built once and placed by poses.
@@ -46,6 +52,11 @@ class VehicleModel {
 
   /// The vehicle as posed; camera at its default.
   [[nodiscard]] Scene place(const VehiclePose& pose) const;
+  /// A mesh of the caller's own; its index in Scene::instances of scenes placed from now on.
+  [[nodiscard]] std::size_t add_annotation(Mesh shape);
+  /// Colours the links of one side, linear RGB each.
+  void color_links(Scene& scene, Side side, const std::vector<Vector3f>& colors, float glow) const;
+  [[nodiscard]] std::size_t chassis_mesh_index() const { return chassis_mesh_; }
   /// For make_camera().
   [[nodiscard]] Subject subject(const VehiclePose& pose, double start_heading) const;
 
@@ -56,7 +67,7 @@ class VehicleModel {
   };
   Vehicle vehicle_;
   std::vector<ProbeLink> probes_;
-  std::shared_ptr<const std::vector<SceneMesh>> meshes_;
+  std::shared_ptr<std::vector<SceneMesh>> meshes_;
   std::size_t chassis_mesh_ = 0;
   std::array<SideMeshes, k_num_sides> side_meshes_;
 };

@@ -1,5 +1,6 @@
 #include "render/scene_renderer.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "model/errors.h"
@@ -20,7 +21,7 @@ struct FrameBlock {
 /// struct Instance of shaders/instance.glsl (std430). Unaligned: Eigen's own alignment would stretch it.
 struct InstanceBlock {
   std::array<float, 16> X_WB;
-  std::array<float, 4> tint;
+  std::array<float, 4> tint, look;
 };
 
 void require_size(int width, int height) {
@@ -29,6 +30,9 @@ void require_size(int width, int height) {
   throw InputError(
       {"", "picture size", "even numbers from 16 to 8192", std::to_string(width) + " x " + std::to_string(height), ""});
 }
+
+constexpr float k_ghost = 0.3f;    ///< share that is drawn of a see-through body: one of four samples
+constexpr float k_hidden = 0.42f;  ///< opacity of annotations where something stands before them
 
 /// World to the clip space of the sun's parallel view of the shadow sphere, moved by whole texels only, so that the
 /// edges of shadows stand still on a vehicle that moves.
@@ -56,6 +60,8 @@ SceneRenderer::SceneRenderer(const GlContext& context, int width, int height)
   programs_.ground = make_program(context, "ground", {frame(), ground_vertex()}, {frame(), light(), ground_fragment()});
   programs_.terrain =
       make_program(context, "terrain", {frame(), terrain_vertex()}, {frame(), light(), ground_fragment()});
+  programs_.section =
+      make_program(context, "section", {frame(), terrain_vertex()}, {frame(), light(), section_fragment()});
   programs_.sky = make_program(context, "sky", {frame(), sky_vertex()}, {frame(), light(), sky_fragment()});
   frame_ = GlBuffer(context);
   instances_ = GlBuffer(context);
@@ -138,32 +144,78 @@ void SceneRenderer::upload_frame(const Scene& scene) {
 void SceneRenderer::upload_instances(const Scene& scene) {
   const GlApi& gl = context_.gl();
   std::vector<InstanceBlock> blocks;
-  for (const std::vector<Instance>& group : scene.instances) {
-    for (const Instance& each : group) {
-      InstanceBlock& block = blocks.emplace_back();
-      Eigen::Map<Matrix4f>(block.X_WB.data()) = each.X_WB;
-      Eigen::Map<Eigen::Vector4f>(block.tint.data()) = each.tint;
-    }
-  }
+  const auto add = [&blocks](const Instance& each) {
+    InstanceBlock& block = blocks.emplace_back();
+    Eigen::Map<Matrix4f>(block.X_WB.data()) = each.X_WB;
+    Eigen::Map<Eigen::Vector4f>(block.tint.data()) = each.tint;
+    block.look = {each.glow, 0.0f, 0.0f, 0.0f};
+  };
+  for (const std::vector<Instance>& group : scene.instances) std::for_each(group.begin(), group.end(), add);
+  Instance trails;
+  trails.glow = 1.0f;
+  add(trails);
+  trails_instance_ = static_cast<GLint>(blocks.size()) - 1;
   gl.NamedBufferData(instances_.id(), static_cast<GLsizeiptr>(blocks.size() * sizeof(InstanceBlock)), blocks.data(),
                      GL_STREAM_DRAW);
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, instances_.id());
 }
 
-void SceneRenderer::draw_instances(const Scene& scene, bool shadows) {
+bool SceneRenderer::belongs(const Scene& scene, std::size_t mesh, Pass pass) {
+  const bool annotation = (*scene.meshes)[mesh].annotation;
+  if (pass == Pass::annotations || annotation) return (pass == Pass::annotations) == annotation;
+  const bool see_through = scene.see_through == mesh;
+  return pass == Pass::shadows || (pass == Pass::see_through) == see_through;
+}
+
+void SceneRenderer::draw_instances(const Scene& scene, Pass pass) {
   const GlApi& gl = context_.gl();
-  const std::vector<GlMesh>& meshes = shadows ? shadows_ : shapes_;
+  const std::vector<GlMesh>& meshes = pass == Pass::shadows ? shadows_ : shapes_;
   GLint first = 0;
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const auto count = static_cast<GLsizei>(scene.instances[i].size());
-    if (count > 0) {
+    if (count > 0 && belongs(scene, i, pass)) {
       gl.Uniform1i(0, first);
       gl.BindVertexArray(meshes[i].layout.id());
       gl.DrawElementsInstanced(GL_TRIANGLES, meshes[i].num_indices, GL_UNSIGNED_INT, nullptr, count);
-      if (!shadows) num_triangles_ += static_cast<std::size_t>(count) * meshes[i].num_indices / 3;
+      if (pass != Pass::shadows) num_triangles_ += static_cast<std::size_t>(count) * meshes[i].num_indices / 3;
     }
     first += count;
   }
+}
+
+void SceneRenderer::draw_bodies(const Scene& scene) {
+  const GlApi& gl = context_.gl();
+  gl.UseProgram(programs_.body.id());
+  gl.Uniform1f(1, 1.0f);
+  draw_instances(scene, Pass::solids);
+  if (!scene.see_through) return;
+  gl.Enable(GL_SAMPLE_ALPHA_TO_COVERAGE);  // needs no order of drawing, unlike blending
+  gl.Uniform1f(1, k_ghost);
+  draw_instances(scene, Pass::see_through);
+  gl.Disable(GL_SAMPLE_ALPHA_TO_COVERAGE);
+}
+
+void SceneRenderer::draw_annotations(const Scene& scene) {
+  const GlApi& gl = context_.gl();
+  gl.UseProgram(programs_.body.id());
+  const auto draw_all = [&](float opacity) {
+    gl.Uniform1f(1, opacity);
+    draw_instances(scene, Pass::annotations);
+    if (trails_.num_indices == 0) return;
+    gl.Uniform1i(0, trails_instance_);
+    gl.BindVertexArray(trails_.layout.id());
+    gl.DrawElementsInstanced(GL_TRIANGLES, trails_.num_indices, GL_UNSIGNED_INT, nullptr, 1);
+  };
+  draw_all(1.0f);
+  gl.DepthFunc(GL_GREATER);
+  gl.DepthMask(GL_FALSE);
+  gl.Enable(GL_BLEND);
+  gl.BlendEquation(GL_FUNC_ADD);
+  gl.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  draw_all(k_hidden);
+  gl.Disable(GL_BLEND);
+  gl.DepthMask(GL_TRUE);
+  gl.DepthFunc(GL_LEQUAL);
 }
 
 void SceneRenderer::draw_shadow_map(const Scene& scene) {
@@ -174,7 +226,7 @@ void SceneRenderer::draw_shadow_map(const Scene& scene) {
   gl.Enable(GL_POLYGON_OFFSET_FILL);
   gl.PolygonOffset(1.5f, 2.0f);
   gl.UseProgram(programs_.shadow.id());
-  draw_instances(scene, true);
+  draw_instances(scene, Pass::shadows);
   gl.Disable(GL_POLYGON_OFFSET_FILL);
 }
 
@@ -198,12 +250,17 @@ void SceneRenderer::draw_colors(const Scene& scene) {
   gl.Enable(GL_FRAMEBUFFER_SRGB);
   gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   gl.BindTextureUnit(0, shadow_map_.id());
-  gl.UseProgram(programs_.body.id());
-  draw_instances(scene, false);
+  draw_bodies(scene);
   if (scene.ground) draw_ground(scene);  // after the bodies, so that what they hide costs nothing
+  if (section_.num_indices > 0) {
+    gl.UseProgram(programs_.section.id());
+    gl.BindVertexArray(section_.layout.id());
+    gl.DrawElementsInstanced(GL_TRIANGLES, section_.num_indices, GL_UNSIGNED_INT, nullptr, 1);
+  }
   gl.BindVertexArray(no_vertices_.id());
   gl.UseProgram(programs_.sky.id());
   gl.DrawArrays(GL_TRIANGLES, 0, 3);
+  draw_annotations(scene);
   gl.Disable(GL_FRAMEBUFFER_SRGB);
 }
 
@@ -216,6 +273,8 @@ void SceneRenderer::draw(const Scene& scene) {
     terrain_ = scene.terrain;
     terrain_shape_ = terrain_ ? upload(*terrain_) : GlMesh{};
   }
+  section_ = upload(scene.section);
+  trails_ = upload(scene.trails);
   upload_frame(scene);
   upload_instances(scene);
   gl.Disable(GL_SCISSOR_TEST);

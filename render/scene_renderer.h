@@ -28,13 +28,18 @@ class SceneRenderer {
     GLsizei num_indices = 0;
   };
   struct Programs {
-    GlProgram body, shadow, ground, terrain, sky;
+    GlProgram body, shadow, ground, terrain, section, sky;
   };
   [[nodiscard]] GlMesh upload(const Mesh& mesh) const;
   void upload(const std::shared_ptr<const std::vector<SceneMesh>>& meshes);
   void upload_frame(const Scene& scene);
   void upload_instances(const Scene& scene);
-  void draw_instances(const Scene& scene, bool shadows);
+  /// Which meshes of a scene a pass draws.
+  enum class Pass { shadows, solids, see_through, annotations };
+  [[nodiscard]] static bool belongs(const Scene& scene, std::size_t mesh, Pass pass);
+  void draw_instances(const Scene& scene, Pass pass);
+  void draw_bodies(const Scene& scene);
+  void draw_annotations(const Scene& scene);
   void draw_shadow_map(const Scene& scene);
   void draw_ground(const Scene& scene);
   void draw_colors(const Scene& scene);
@@ -50,7 +55,8 @@ class SceneRenderer {
   std::shared_ptr<const std::vector<SceneMesh>> meshes_;
   std::vector<GlMesh> shapes_, shadows_;
   std::shared_ptr<const Mesh> terrain_;
-  GlMesh terrain_shape_;
+  GlMesh terrain_shape_, section_, trails_;
+  GLint trails_instance_ = 0;
   std::size_t num_triangles_ = 0;
 };
 

@@ -353,6 +353,12 @@ SCENARIO = document(
                        growth_limit_={"type": "number", "exclusiveMinimum": 1}, fixed_step_=("time", NOT_NEGATIVE)),
     assembly_=record(settle_time_=("time", POSITIVE), step_=("time", POSITIVE)))
 
+# --- camera.json
+CAMERA = document("camera", "A camera of the user's own", name=TEXT, mount=one_of("world", "follow", "heading", "chassis"),
+                  eye=("length", point()), target=("length", point()), field_of_view_=("angle", POSITIVE),
+                  height_=("length", POSITIVE))
+CAMERA["oneOf"] = [exists(f"^field_of_view_{ANGLE}$"), exists(f"^height_{LENGTH}$")]
+
 # --- run.json
 COUNTS = record(bodies=whole(0), revolute_joints=whole(0), bushings=whole(0), degrees_of_freedom=whole(0),
                 prescribed=whole(0))
@@ -370,5 +376,5 @@ RUN = document(
 if __name__ == "__main__":
     folder = pathlib.Path(__file__).parent
     for name, schema in {"rig": RIG, "bushing": BUSHING, "fit": FIT, "replay": REPLAY, "vehicle": VEHICLE, "scenario": SCENARIO,
-                         "run": RUN}.items():
+                         "run": RUN, "camera": CAMERA}.items():
         (folder / f"{name}.schema.json").write_text(json.dumps(schema, indent=1) + "\n")

@@ -55,6 +55,14 @@ const std::vector<Mutation>& mutations() {
       {"vehicle", "unknown_suspension",
        [](Json& j) { j["left"]["stations"][0]["suspension"]["kind"] = "leaf_spring"; }},
       {"vehicle", "bouncing_ball", [](Json& j) { j["left"]["sprocket"]["contact"]["restitution"] = 1.2; }},
+      {"vehicle", "negative_play", [](Json& j) { j["left"]["track"]["clearance_mm"] = -1; }},
+      {"vehicle", "stop_at_a_length", [](Json& j) { j["left"]["track"]["stop_angle_mm"] = 20; }},
+      {"vehicle", "connector_without_inertia",
+       [](Json& j) {
+         j["left"]["track"]["connection"] = "double_pin";
+         j["left"]["track"]["connector_length_mm"] = 63;
+         j["left"]["track"]["connector"] = {{"mass_kg", 4}};
+       }},
       {"vehicle", "no_right_side", [](Json& j) { j.erase("right"); }},
       {"vehicle", "colour_by_name", [](Json& j) { j["visual"]["parts"][0]["color"] = "green"; }},
       {"scenario", "no_duration", [](Json& j) { j.erase("duration_s"); }},
@@ -120,6 +128,13 @@ const std::vector<Mutation>& mutations() {
       {"replay", "nothing_measured", [](Json& j) { j["tests"][0].erase("loss_factor"); }},
       {"replay", "no_law", [](Json& j) { j.erase("bushing"); }},
       {"replay", "wordless_warning", [](Json& j) { j["warnings"][0].erase("text"); }},
+      {"camera", "no_angle_and_no_height", [](Json& j) { j.erase("field_of_view_deg"); }},
+      {"camera", "angle_and_height", [](Json& j) { j["height_m"] = 3; }},
+      {"camera", "unknown_mount", [](Json& j) { j["mount"] = "turret"; }},
+      {"camera", "flat_eye",
+       [](Json& j) {
+         j["eye_m"] = {1, 2};
+       }},
       {"run", "unknown_status", [](Json& j) { j["status"] = "finished"; }},
       {"run", "no_energy", [](Json& j) { j.erase("energy"); }},
       {"run", "worded_result", [](Json& j) { j["results"]["cruise_speed_m_per_s"] = "fast"; }},
@@ -177,6 +192,8 @@ std::map<std::string, Json> valid_documents(const TemporaryFolder& folder) {
   driven[1].prediction = true;
   write_replay({"s", "b", driven, {{"rate_unknown", "t", "x"}}, {}, {}}, folder.path() / "written");
   documents["replay"] = parsed(folder.path() / "written");
+  documents["camera"] = Json::parse(R"({"format": "grouser.camera/1", "name": "c", "mount": "heading",
+      "eye_m": [6, -8, 3], "target_mm": [0, 0, 900], "field_of_view_deg": 36})");
   write_run_summary(small_run(), folder.path() / "written");
   documents["run"] = parsed(folder.path() / "written");
   return documents;

@@ -27,7 +27,10 @@ TEST(Camera, EveryCameraSeesTheVehicleWhereverItStands) {
     for (const double heading : {0.0, 2.0}) {
       const Subject subject = model.subject(turned(heading), 0.3);
       const Camera camera = make_camera(name, subject, 16.0f / 9.0f);
-      const Vector3d aim_V = name == "sprocket" ? vehicle.side(Side::right).sprocket.center : Vector3d(0.0, 0.0, 1.0);
+      const RunningGear& gear = vehicle.side(Side::right);
+      const Vector3d aim_V = name == "sprocket"     ? gear.sprocket.center
+                             : name == "road_wheel" ? gear.stations[gear.stations.size() / 2].wheel.center
+                                                    : Vector3d(0.0, 0.0, 1.0);
       const VehiclePose& pose = subject.pose;
       const Vector3d aim = pose.chassis.position + pose.chassis.orientation * aim_V;
       const Vector3f at = seen(camera, aim.cast<float>());
@@ -70,6 +73,30 @@ TEST(Camera, ChaseKeepsTheGunInThePictureAtEveryHeading) {
       EXPECT_LT(seen(camera, end.cast<float>()).head<2>().cwiseAbs().maxCoeff(), 0.96f) << heading;
     }
   }
+}
+
+TEST(Camera, AFilesCameraStandsWhereItsMountSays) {
+  Subject subject;
+  subject.pose = turned(0.5);
+  subject.pose.chassis.position.z() = 0.2;
+  subject.start_heading = 0.1;
+  subject.ground = 0.05f;
+  CameraView view{"own", CameraMount::world, {1, 2, 3}, {0, 0, 1}, 0.6, {}};
+  const auto eye = [&](CameraMount mount) {
+    view.mount = mount;
+    return make_camera(view, subject).eye;
+  };
+  EXPECT_TRUE(eye(CameraMount::world).isApprox(Vector3f(1, 2, 3)));
+  const auto beside = [](double heading, float z) -> Vector3f {
+    const auto c = static_cast<float>(std::cos(heading)), s = static_cast<float>(std::sin(heading));
+    return {30.0f + c - 2.0f * s, -4.0f + s + 2.0f * c, z};
+  };
+  EXPECT_TRUE(eye(CameraMount::follow).isApprox(beside(0.1, 3.05f), 1e-5f));
+  EXPECT_TRUE(eye(CameraMount::heading).isApprox(beside(0.5, 3.05f), 1e-5f));
+  EXPECT_TRUE(eye(CameraMount::chassis).isApprox(beside(0.5, 3.2f), 1e-5f));
+  view.eye = {0, 0, 9};
+  view.target = {0, 0, 0};  // straight down
+  EXPECT_TRUE(make_camera(view, subject).view_projection(1.5f).allFinite());
 }
 
 TEST(Camera, AnUnknownNameIsAnErrorThatNamesTheKnownOnes) {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <iterator>
 
 #include "model/errors.h"
 #include "render/pose.h"
@@ -17,17 +18,21 @@ namespace fs = std::filesystem;
 class Film : public testing::Test {
  protected:
   Film() {
-    mock::RunOptions options;
-    options.duration = 0.5;
-    options.rate = 100.0;
-    mock::write_run(folder_.path() / "run", options);
     options_.width = 160;
     options_.height = 90;
     options_.fps = 10.0;
   }
   [[nodiscard]] RunFolder run() const { return open_run(folder_.path() / "run"); }
+  [[nodiscard]] RunFolder written() const {
+    mock::RunOptions options;
+    options.duration = 0.5;
+    options.rate = 100.0;
+    mock::write_run(folder_.path() / "run", options);
+    return run();
+  }
 
   test::TemporaryFolder folder_;
+  RunFolder opened_ = written();
   RenderOptions options_;
 };
 
@@ -44,14 +49,83 @@ TEST_F(Film, HasAFrameForEveryTick) {
   EXPECT_GT(fs::file_size(file), 1000U);
 }
 
-TEST_F(Film, AnInterruptLeavesNothing) {
-  int calls = 0;
+/// Stops after so many frames.
+Progress stop_after(int frames) {
+  return [left = frames](const ProgressReport&) mutable { return left-- > 0; };
+}
+
+TEST_F(Film, StoppedIsTakenUpFromTheFramesThatItKept) {
   const fs::path target = folder_.path() / "films";
   fs::create_directories(target);
-  const int frames =
-      render_film(run(), target / "film.mp4", options_, [&calls](const ProgressReport&) { return ++calls < 3; });
-  EXPECT_EQ(frames, 0);
-  EXPECT_TRUE(fs::is_empty(target));
+  EXPECT_EQ(render_film(run(), target / "film.mp4", options_, stop_after(3)), 0);
+  EXPECT_FALSE(fs::exists(target / "film.mp4"));
+  EXPECT_TRUE(fs::exists(target / ".film.frames" / "frame_000002.png"));
+  const fs::file_time_type kept = fs::last_write_time(target / ".film.frames" / "frame_000002.png");
+  bool seen_kept = false;
+  EXPECT_EQ(render_film(run(), target / "film.mp4", options_,
+                        [&](const ProgressReport& report) {
+                          const fs::path third = target / ".film.frames" / "frame_000002.png";
+                          if (report.fraction < 1.0) seen_kept = fs::last_write_time(third) == kept;
+                          return true;
+                        }),
+            5);
+  EXPECT_TRUE(seen_kept);
+  EXPECT_EQ(std::distance(fs::directory_iterator(target), {}), 1);  // the film, and nothing of how it was made
+}
+
+TEST_F(Film, FramesAreTakenUpWhereTheyWereLeftUnlessOthersAreAskedFor) {
+  const fs::path target = folder_.path() / "frames";
+  EXPECT_EQ(render_frames({&opened_}, target, options_, stop_after(2)), 2);
+  const fs::path first = target / "frame_000000.png";
+  const fs::file_time_type kept = fs::last_write_time(first);
+  EXPECT_EQ(render_frames({&opened_}, target, options_), 5);
+  EXPECT_EQ(fs::last_write_time(first), kept);
+  const Image chase = read_png(first);
+  const fs::path whole = folder_.path() / "whole";
+  EXPECT_EQ(render_frames({&opened_}, whole, options_), 5);
+  for (int frame = 0; frame < 5; ++frame) {
+    const std::string name = "frame_00000" + std::to_string(frame) + ".png";
+    EXPECT_EQ(read_png(target / name).bgr, read_png(whole / name).bgr) << frame;
+  }
+  options_.camera = "top";
+  EXPECT_EQ(render_frames({&opened_}, target, options_), 5);
+  EXPECT_NE(read_png(first).bgr, chase.bgr);
+}
+
+TEST_F(Film, AQuarterOfTheSpeedTakesFourTimesTheFrames) {
+  options_.speed = 0.25;
+  EXPECT_EQ(render_frames({&opened_}, folder_.path() / "slow", options_), 20);
+  options_.speed = 0.0;
+  EXPECT_THROW((void)render_film(run(), folder_.path() / "film.mp4", options_), InputError);
+}
+
+TEST_F(Film, TwoRunsStandSideBySideInOnePicture) {
+  const RunFolder again = run();
+  const Image both = render_still({&opened_, &again}, 0.2, options_);
+  RenderOptions half = options_;
+  half.width = options_.width / 2;
+  const Image one = render_still(opened_, 0.2, half);
+  ASSERT_EQ(both.width, options_.width);
+  ASSERT_EQ(both.height, options_.height);
+  for (int y = 0; y < one.height; ++y) {
+    for (int x = 0; x < one.width - 1; ++x) {  // but for the line between them
+      const auto in_one = static_cast<std::size_t>(3 * (one.width * y + x));
+      const auto left = static_cast<std::size_t>(3 * (both.width * y + x)),
+                 right = left + static_cast<std::size_t>(3 * one.width);
+      ASSERT_EQ(both.bgr[left], one.bgr[in_one]);
+      if (x > 0) {
+        ASSERT_EQ(both.bgr[right], one.bgr[in_one]);
+      }
+    }
+  }
+}
+
+TEST_F(Film, ACameraFileTakesThePlaceOfANamedCamera) {
+  std::ofstream(folder_.path() / "camera.json") << R"({"format": "grouser.camera/1", "name": "own", "mount": "heading",
+      "eye_m": [6, -8, 3], "target_m": [0, 0, 1], "field_of_view_deg": 40})";
+  const Image named = render_still(opened_, 0.2, options_);
+  options_.view = read_camera_view(folder_.path() / "camera.json");
+  EXPECT_NE(render_still(opened_, 0.2, options_).bgr, named.bgr);
 }
 
 TEST_F(Film, CannotBeWrittenWhereThereIsNoFolder) {
@@ -61,7 +135,7 @@ TEST_F(Film, CannotBeWrittenWhereThereIsNoFolder) {
 TEST_F(Film, FramesArePicturesThatDiffer) {
   const fs::path target = folder_.path() / "frames";
   fs::create_directories(target);
-  EXPECT_EQ(render_frames(run(), target, options_), 5);
+  EXPECT_EQ(render_frames({&opened_}, target, options_), 5);
   const Image first = read_png(target / "frame_000000.png"), last = read_png(target / "frame_000004.png");
   EXPECT_EQ(first.width, 160);
   EXPECT_EQ(first.height, 90);

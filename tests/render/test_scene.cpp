@@ -94,6 +94,34 @@ TEST(Scene, TheNearerBodyHidesTheFartherInAnyOrder) {
   }
 }
 
+TEST(Scene, AnAnnotationIsSeenThroughBodiesFaintly) {
+  Mesh body, mark;
+  body.add_box({0, -1.5f, 0}, {0.3f, 0.3f, 0.3f}, 0.0f, k_blue);
+  mark.add_box({0, 1.5f, 0}, {0.6f, 0.3f, 0.6f}, 0.0f, k_red);
+  const auto drawn = [&](bool annotation) {
+    Scene scene = view_of({body, mark});
+    auto meshes = std::make_shared<std::vector<SceneMesh>>(*scene.meshes);
+    (*meshes)[1].annotation = annotation;
+    scene.meshes = meshes;
+    return draw_scene(scene);
+  };
+  const Pixel hidden = pixel(drawn(false), 200, 200), through = pixel(drawn(true), 200, 200);
+  const Pixel open = pixel(drawn(true), 245, 200);
+  EXPECT_GT(through.red, hidden.red + 40);
+  EXPECT_GT(through.blue, open.blue + 40);
+}
+
+TEST(Scene, ASeeThroughBodyShowsWhatItHides) {
+  Mesh front, behind;
+  front.add_box({0, -1.5f, 0}, {0.3f, 0.3f, 0.3f}, 0.0f, k_blue);
+  behind.add_box({0, 1.5f, 0}, {0.6f, 0.3f, 0.6f}, 0.0f, k_red);
+  Scene scene = view_of({front, behind});
+  scene.see_through = 0;
+  const Pixel p = pixel(draw_scene(scene), 200, 200);
+  EXPECT_GT(p.red, p.blue);
+  EXPECT_GT(p.blue, 20);
+}
+
 TEST(Scene, ABodyShadesTheGroundBehindItAsSeenFromTheSun) {
   Mesh box;
   box.add_box({0, 0, 1.0f}, {0.3f, 0.3f, 0.05f}, 0.0f, k_red);

@@ -68,7 +68,7 @@ const std::vector<std::string>& partners() {
   return names;
 }
 
-ChannelTable sample_table() {
+ChannelTable sample_table(const RunOptions& options) {
   const std::size_t n = k_num_links, joints = 36;
   ChannelTable table{"samples",
                      {{"/time", "s", {}, false},
@@ -85,6 +85,8 @@ ChannelTable sample_table() {
     table.channels.push_back({track + "/link_position", "m", {n, 3}, false});
     table.channels.push_back({track + "/link_orientation", "1", {n, 4}, true});
     table.channels.push_back({track + "/bushing_force", "N", {n, 3}, true});
+    for (const std::string& partner : options.contact_forces ? partners() : std::vector<std::string>{})
+      table.channels.push_back({track + "/contact_force/" + partner, "N", {n, 3}, true});
   }
   for (const char* term :
        {"kinetic", "gravity", "bushing", "suspension", "contact", "input", "bushing_loss", "contact_loss",
@@ -157,6 +159,13 @@ std::vector<double> sample_row(const Motion& motion, double t) {
     }
     for (const std::vector<double>* part : {&position, &orientation, &force})
       row.insert(row.end(), part->begin(), part->end());
+    for (std::size_t partner = 0; motion.options.contact_forces && partner < partners().size(); ++partner) {
+      for (int i = 0; i < k_num_links; ++i) {  // every seventh link is loaded, each partner's own
+        const bool loaded = i % 7 == static_cast<int>(partner);
+        const double up = partners()[partner] == "ground" ? 1.0 : -1.0;
+        row.insert(row.end(), {loaded ? 2e3 * std::sin(t + i) : 0.0, 0.0, loaded ? up * (3e4 + 200.0 * i) : 0.0});
+      }
+    }
   }
   const double kinetic = 0.5 * 4.4e4 * v * v, work = 2.0 * 6e3 * phi;
   row.insert(row.end(), {kinetic, 0.0, 2e3, 1e3, 50.0, kinetic + work + 3050.0, 0.5 * work, 0.1 * work, 0.1 * work,
@@ -231,7 +240,7 @@ RunSummary summary_of(const RunOptions& options) {
 void write_run(const std::filesystem::path& folder, const RunOptions& options) {
   write_inputs(folder, options);
   const Motion motion{options, {}};
-  std::vector<ChannelTable> tables{sample_table(),
+  std::vector<ChannelTable> tables{sample_table(options),
                                    {"steps",
                                     {{"/steps/time", "s", {}, false},
                                      {"/steps/size", "s", {}, false},

@@ -13,11 +13,12 @@ enum class Drive { speed, torque, cruise };
 struct RunOptions {
   std::string name = "Mock run";
   std::string vehicle_name = "Mock vehicle";
-  double duration = 2.0;    ///< s: a third speeding up, a third steady, a third slowing down
-  double rate = 200.0;      ///< Hz
-  double top_speed = 45.0;  ///< rad/s of both sprockets
-  bool turn = false;        ///< the right sprocket runs backwards
-  bool probes = true;       ///< false: a run without probe links
+  double duration = 2.0;        ///< s: a third speeding up, a third steady, a third slowing down
+  double rate = 200.0;          ///< Hz
+  double top_speed = 45.0;      ///< rad/s of both sprockets
+  bool turn = false;            ///< the right sprocket runs backwards
+  bool contact_forces = false;  ///< of all links, in /tracks/
+  bool probes = true;           ///< false: a run without probe links
   bool failing_check = false;
   double bushing_scale = 1.0;  ///< the mean step goes with its power -1/2, the largest tension with +1/4
   Drive drive = Drive::speed;
