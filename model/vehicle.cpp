@@ -176,7 +176,7 @@ void read_connector_body(ObjectReader& r, Track& track) {
   const Vector3d shoe = track.link.inertia - lumped_inertia(track.connector, track.pitch);
   if (body.mass < track.link.mass && shoe.minCoeff() > 0.0) return;
   r.report(r.key_of("mass"), "a connector that leaves the link's shoe some mass and inertia",
-           Json(body.mass).dump() + " kg at either end of the link, together");
+           Json(body.mass).dump() + " kg, half of it at either end");
 }
 
 Track read_track(ObjectReader& r) {

@@ -70,5 +70,28 @@ TEST(DoublePin, NeedsALengthOfItsConnector) {
   EXPECT_EQ(read_vehicle(folder.write("v.json", json.dump())).side(Side::right).track.connector.length, 0.063);
 }
 
+TEST(DoublePin, MayStateItsConnectorsAsBodies) {
+  const Track track = read_vehicle(test_data("vehicles/reference_double_pin.json")).side(Side::left).track;
+  EXPECT_TRUE(track.connector.condensed);
+  EXPECT_EQ(track.connector.mass, 4.0);
+  // Half a connector at either end of a link of 194 mm: 2 (2 kg) (0.097 m)^2.
+  EXPECT_NEAR(lumped_inertia(track.connector, track.pitch).y(), 0.006 + 4.0 * 0.097 * 0.097, 1e-12);
+}
+
+TEST(TrackJoints, HaveNoPlayAndNoStopUnlessStated) {
+  auto json = nlohmann::ordered_json::parse(read_whole(test_data("vehicles/reference.json")));
+  const TemporaryFolder folder;
+  const Track plain = read_vehicle(folder.write("v.json", json.dump())).side(Side::left).track;
+  EXPECT_EQ(plain.clearance, 0.0);
+  EXPECT_FALSE(plain.stop_angle);
+  json["left"]["track"]["clearance_mm"] = 0.5;
+  json["left"]["track"]["stop_angle_deg"] = 10;
+  json["left"]["track"]["stop_stiffness_kN_m_per_rad"] = 300;
+  const Track worn = read_vehicle(folder.write("v.json", json.dump())).side(Side::right).track;
+  EXPECT_EQ(worn.clearance, 0.5e-3);
+  EXPECT_NEAR(worn.stop_angle.value(), 10.0 * k_pi / 180.0, 1e-15);
+  EXPECT_EQ(worn.stop_stiffness, 3e5);
+}
+
 }  // namespace
 }  // namespace grouser
