@@ -37,15 +37,20 @@ json card(const std::filesystem::path& folder, json facts) {
   return facts;
 }
 
+/// The vehicle halfway through its run.
+std::string run_picture(const RunFolder& run) {
+  RenderOptions options;
+  options.width = 800;
+  options.height = 450;
+  return encoded(render_still(run, 0.5 * run.summary.simulated_time, options));
+}
+
 json run_card(const std::filesystem::path& folder) {
   const RunFolder run = open_run(folder);
   const RunSummary& summary = run.summary;
   json facts{
       {"kind", "Run"}, {"title", summary.name}, {"verdict", run_verdict(summary)}, {"numbers", run_headline(summary)}};
-  RenderOptions options;
-  options.width = 800;
-  options.height = 450;
-  facts["payload_picture"] = encoded(render_still(run, 0.5 * summary.simulated_time, options));
+  facts["payload_picture"] = run_picture(run);
   facts["payload_dark"] = false;  // a photograph is the same by night
   facts["alt"] = "The vehicle in " + summary.name;
   facts["links"] = file_links(folder, {"report.html", "report.json", "film.mp4", "run.json", "run.h5"});
@@ -116,6 +121,14 @@ std::optional<Figure> study_picture(const json& report) {
   return figure;
 }
 
+/// The first folder below that holds a run.
+std::optional<std::filesystem::path> run_below(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> runs;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    if (std::filesystem::exists(entry.path() / "run.json")) runs.push_back(entry.path());
+  return runs.empty() ? std::nullopt : std::optional(*std::ranges::min_element(runs));
+}
+
 /// Runs that were compared in a folder of their own: a study of the demo.
 json study_card(const std::filesystem::path& folder) {
   const json report = json::parse(read_whole(folder / "report.json"));
@@ -130,12 +143,19 @@ json study_card(const std::filesystem::path& folder) {
                                  runs.size() == 2 ? "both runs" : fmt::format("all {} runs", runs.size()))
                    : fmt::format("{} of {} runs complete and pass their checks", passed, runs.size())}};
   facts["numbers"] = json::array();
-  for (const json& run : runs) facts["numbers"].push_back({{"label", run["name"]}, {"text", run["status"]}});
+  for (const json& run : runs)
+    facts["numbers"].push_back(
+        {{"label", run["name"]},
+         {"text",
+          run["pass"].get<bool>() || run["status"] != "completed" ? run["status"] : json("not all checks pass")}});
   facts["payload_picture"] = facts["payload_dark"] = false;
   if (const std::optional<Figure> figure = study_picture(report)) {
     facts["payload_picture"] = encoded(draw(*figure, Theme::light, 1.5));
     facts["payload_dark"] = encoded(draw(*figure, Theme::dark, 1.5));
     facts["alt"] = text_alternative(*figure);
+  } else if (const std::optional<std::filesystem::path> run = run_below(folder)) {
+    facts["payload_picture"] = run_picture(open_run(*run));
+    facts["alt"] = "The vehicle of the study";
   }
   facts["links"] = file_links(folder, {"report.html", "report.json"});
   facts["is_synthetic"] = report["comparison"]["is_synthetic"];
