@@ -46,25 +46,28 @@ template <typename T, typename Yield>
 }
 
 /// Constants of a Maxwell branch for one step of length h: force' = decay * force + gain * dx, exact for a constant
-/// rate.
+/// rate. Its work over the step is dx * (work_per_way * dx + gain_share * force), its energy compliance * force^2.
 struct MaxwellStep {
-  double decay = 1.0;  ///< exp(-h / tau)
-  double gain = 0.0;   ///< stiffness * (1 - exp(-h/tau)) * tau / h [N/m]; -> stiffness for h -> 0
+  double decay = 1.0;         ///< exp(-h / tau)
+  double gain = 0.0;          ///< stiffness * gain_share [N/m]
+  double gain_share = 1.0;    ///< (1 - exp(-h/tau)) * tau / h; -> 1 for h -> 0
+  double work_per_way = 0.0;  ///< stiffness * (1 - gain_share) * tau / h [N/m]; -> stiffness / 2 for h -> 0
+  double compliance = 0.0;    ///< 1 / (2 stiffness) [m/N]
 };
 [[nodiscard]] inline MaxwellStep maxwell_step(const MaxwellBranch& branch, double h) {
-  const double ratio = h / branch.relaxation_time;
+  const double k = branch.stiffness, ratio = h / branch.relaxation_time;
   const double lost = -std::expm1(-ratio);
-  return {1.0 - lost, ratio > 1e-12 ? branch.stiffness * lost / ratio : branch.stiffness};
+  const bool some = ratio > 1e-12;
+  const double share = some ? lost / ratio : 1.0;
+  return {1.0 - lost, k * share, share, some ? k * (1.0 - share) / ratio : 0.5 * k, 0.5 / k};
 }
 
 /// Energy that a Maxwell branch turns into heat over one step of constant rate [J], >= 0 up to round-off.
-/// Work done on the branch less the growth of its stored energy force^2 / (2 stiffness). h > 0; `step` belongs to h.
+/// Work done on the branch less the growth of its stored energy.
 template <typename T>
-[[nodiscard]] inline T maxwell_dissipation(const MaxwellBranch& branch, const MaxwellStep& step, const T& force,
-                                           const T& next_force, const T& dx, double h) {
-  const T steady = dx * (branch.stiffness * branch.relaxation_time / h);  // force the branch would settle at
-  const T work = dx * (steady + (force - steady) * (step.gain / branch.stiffness));
-  return work - (next_force * next_force - force * force) / (2.0 * branch.stiffness);
+[[nodiscard]] inline T maxwell_dissipation(const MaxwellStep& step, const T& force, const T& next_force, const T& dx) {
+  return dx * (step.work_per_way * dx + step.gain_share * force) -
+         step.compliance * (next_force * next_force - force * force);
 }
 
 }  // namespace grouser

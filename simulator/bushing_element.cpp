@@ -11,40 +11,27 @@ struct SpringLanes {
   Lanes force, slope, energy;
 };
 
-struct SpringPoint {
-  double force, slope, energy;
-};
-
-SpringPoint evaluate_spring(const CompiledSpring& spring, double x) {
-  if (x >= spring.high) {
-    const double over = x - spring.high;
-    return {spring.high_force + spring.high_slope * over, spring.high_slope,
-            spring.high_energy + over * (spring.high_force + 0.5 * spring.high_slope * over)};
-  }
-  if (!(x > spring.low)) {
-    const double over = x - spring.low, force = spring.cubic[0][0];
-    return {force + spring.low_slope * over, spring.low_slope,
-            spring.energy[0] + over * (force + 0.5 * spring.low_slope * over)};
-  }
-  auto i = static_cast<std::size_t>(
-      spring.cell_interval[static_cast<std::size_t>((x - spring.low) * spring.cells_per_unit)]);
-  while (i + 1 < spring.cubic.size() && x >= spring.knot[i + 1]) ++i;
-  const auto& c = spring.cubic[i];
-  const double u = x - spring.knot[i];
-  return {c[0] + u * (c[1] + u * (c[2] + u * c[3])), c[1] + u * (2.0 * c[2] + u * 3.0 * c[3]),
-          spring.energy[i] + u * (c[0] + u * (c[1] / 2.0 + u * (c[2] / 3.0 + u * c[3] / 4.0)))};
-}
-
+/// Goes through the pieces up to the furthest of the eight displacements: rubber is seldom strained far, and to choose
+/// between a few pieces costs less than to fetch each lane's own.
 SpringLanes evaluate_spring(const CompiledSpring& spring, const Lanes& x) {
-  SpringLanes result;
-  for (int lane = 0; lane < k_lanes; ++lane) {
-    const double value = x[lane];
-    const SpringPoint at = evaluate_spring(spring, spring.odd ? std::abs(value) : value);
-    result.force[lane] = spring.odd ? std::copysign(at.force, value) : at.force;
-    result.slope[lane] = at.slope;
-    result.energy[lane] = at.energy;
+  const Lanes at = spring.odd ? Lanes(x.abs()) : x;
+  const double furthest = at.maxCoeff();
+  const SpringPiece& first = spring.pieces.front();
+  const auto all = [](double value) { return Lanes(Lanes::Constant(value)); };
+  Lanes begin = all(first.begin), energy = all(first.energy);
+  std::array<Lanes, 4> c{all(first.cubic[0]), all(first.cubic[1]), all(first.cubic[2]), all(first.cubic[3])};
+  for (std::size_t p = 1; p < spring.pieces.size() && spring.pieces[p].begin <= furthest; ++p) {
+    const SpringPiece& piece = spring.pieces[p];
+    const LaneMask beyond = less_equal(all(piece.begin), at);
+    begin = choose(beyond, all(piece.begin), begin);
+    energy = choose(beyond, all(piece.energy), energy);
+    for (std::size_t k = 0; k < c.size(); ++k) c[k] = choose(beyond, all(piece.cubic[k]), c[k]);
   }
-  return result;
+  const Lanes u = at - begin;
+  const Lanes force = c[0] + u * (c[1] + u * (c[2] + u * c[3]));
+  return {spring.odd ? choose(less(x, Lanes::Zero()), -force, force) : force,
+          c[1] + u * (2.0 * c[2] + u * (3.0 * c[3])),
+          energy + u * (c[0] + u * (0.5 * c[1] + u * ((1.0 / 3.0) * c[2] + u * (0.25 * c[3]))))};
 }
 
 /// Translation of the pin against the groove in the frame of own, and its rate there.
@@ -76,7 +63,7 @@ void rotate(const BodyLanes& own, const BodyLanes& next, ElementKinematics& k) {
   Lanes x = aw * bx + ax * bw + ay * bz - az * by;
   Lanes y = aw * by - ax * bz + ay * bw + az * bx;
   Lanes z = aw * bz + ax * by - ay * bx + az * bw;
-  const Lanes sign = (w < 0.0).select(Lanes::Constant(-1.0), Lanes::Constant(1.0));
+  const Lanes sign = choose(less(w, Lanes::Zero()), Lanes::Constant(-1.0), Lanes::Ones());
   w *= sign, x *= sign, y *= sign, z *= sign;
 
   const Lanes n2 = w * w + y * y, n = n2.sqrt(), inverse_n = n.inverse(), inverse_n2 = inverse_n * inverse_n;
@@ -149,15 +136,14 @@ void add_stops(const AxisStep& step, const Lanes& dx, const YieldScales<Scale>& 
 void add_branches(const AxisStep& step, const Lanes& dx, AxisForce& sum, ElementEnergy& energy) {
   for (std::size_t m = 0; m < step.axis.branches.size(); ++m) {
     const int row = step.axis.first_branch + static_cast<int>(m);
-    const MaxwellBranch& branch = step.axis.branches[m];
     const MaxwellStep& constants = step.branch_step[m];
     const Lanes old = load(step.before.branch[row] + step.joint);
     const Lanes moved = constants.decay * old + constants.gain * dx;
     store(step.after.branch[row] + step.joint, moved);
     sum.force += moved;
     sum.stiffness += constants.gain;
-    energy.stored += moved.square() / (2.0 * branch.stiffness);
-    if (step.h > 0.0) energy.step_loss += maxwell_dissipation(branch, constants, old, moved, dx, step.h);
+    energy.stored += constants.compliance * moved.square();
+    if (step.h > 0.0) energy.step_loss += maxwell_dissipation(constants, old, moved, dx);
   }
 }
 

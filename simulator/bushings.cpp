@@ -7,11 +7,7 @@
 namespace grouser {
 namespace {
 
-Lanes lane_mask(int valid) {
-  Lanes mask;
-  for (int lane = 0; lane < k_lanes; ++lane) mask[lane] = lane < valid ? 1.0 : 0.0;
-  return mask;
-}
+Lanes lane_mask(int valid) { return choose(LaneMask::first(valid), Lanes::Ones(), Lanes::Zero()); }
 
 /// What the output and the stability bound take from eight bushings.
 void store_bushings(const ElementKinematics& k, const RubberLoad& rubber, int joint, double scale, Workspace& work) {

@@ -267,30 +267,20 @@ CompiledSpring compile_spring(const SpringSpline& given) {
   CompiledSpring spring;
   spring.odd = is_odd(given);
   const SpringSpline from = spring.odd ? positive_half(given) : given;
-  const std::size_t n = from.displacement.size();
-  spring.knot = from.displacement;
-  spring.low = from.displacement.front();
-  spring.high = from.displacement.back();
-  spring.low_slope = from.slope.front();
-  spring.high_slope = from.slope.back();
-  spring.high_force = from.force.back();
-  spring.high_energy = stored_energy(from, spring.high);
-  for (std::size_t i = 0; i + 1 < n; ++i) {
-    const double width = from.displacement[i + 1] - from.displacement[i];
-    const double secant = (from.force[i + 1] - from.force[i]) / width;
+  const auto& x = from.displacement;
+  const auto straight = [&](std::size_t i) {
+    return SpringPiece{x[i], {from.force[i], from.slope[i], 0.0, 0.0}, stored_energy(from, x[i])};
+  };
+  if (!spring.odd) spring.pieces.push_back(straight(0));
+  for (std::size_t i = 0; i + 1 < x.size(); ++i) {
+    const double width = x[i + 1] - x[i], secant = (from.force[i + 1] - from.force[i]) / width;
     const double s0 = from.slope[i], s1 = from.slope[i + 1];
-    spring.cubic.push_back(
-        {from.force[i], s0, (3.0 * secant - 2.0 * s0 - s1) / width, (s0 + s1 - 2.0 * secant) / (width * width)});
-    spring.energy.push_back(stored_energy(from, from.displacement[i]));
+    spring.pieces.push_back(
+        {x[i],
+         {from.force[i], s0, (3.0 * secant - 2.0 * s0 - s1) / width, (s0 + s1 - 2.0 * secant) / (width * width)},
+         stored_energy(from, x[i])});
   }
-  const int cells = 4 * static_cast<int>(n);
-  spring.cells_per_unit = cells / (spring.high - spring.low);
-  int interval = 0;
-  for (int c = 0; c <= cells; ++c) {  // one more: the product of a lookup just below `high` may round up to `cells`
-    const double x = spring.low + c / spring.cells_per_unit;
-    while (interval + 2 < static_cast<int>(n) && x >= spring.knot[static_cast<std::size_t>(interval) + 1]) ++interval;
-    spring.cell_interval.push_back(interval);
-  }
+  spring.pieces.push_back(straight(x.size() - 1));
   return spring;
 }
 

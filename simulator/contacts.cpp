@@ -2,24 +2,22 @@
 
 namespace grouser {
 
-LinkView view_link(const State& state, const Workspace& work, int i) {
-  LinkView link;
-  link.index = i;
-  link.rotation << work.rotation[0][i], work.rotation[1][i], work.rotation[2][i], work.rotation[3][i],
-      work.rotation[4][i], work.rotation[5][i], work.rotation[6][i], work.rotation[7][i], work.rotation[8][i];
-  link.position = {state.position[0][i], state.position[1][i], state.position[2][i]};
-  link.velocity = {state.velocity[0][i], state.velocity[1][i], state.velocity[2][i]};
-  link.angular_velocity = {work.angular_velocity_W[0][i], work.angular_velocity_W[1][i], work.angular_velocity_W[2][i]};
-  return link;
+void push_links(Workspace& work, int first, const LinkLoads& load_W, Partner partner) {
+  add_to3(work.force_W, first, load_W.force);
+  add_to3(work.torque_W, first, load_W.torque);
+  add_to3(work.contact_force_W[static_cast<std::size_t>(partner)], first, load_W.force);
 }
 
-void push_link(Workspace& work, int i, const LinkLoad& load, Partner partner) {
-  Field& booked = work.contact_force_W[static_cast<std::size_t>(partner)];
-  for (int c = 0; c < 3; ++c) {
-    work.force_W[c][i] += load.force_W[c];
-    work.torque_W[c][i] += load.torque_W[c];
-    booked[c][i] += load.force_W[c];
-  }
+void push_body(Workspace& work, int body, const Lanes3& force_W, const Lanes3& about_base_W) {
+  Vector6d& on_body = work.chassis.force[static_cast<std::size_t>(body)];
+  on_body.head<3>() += sum_of_lanes(about_base_W);
+  on_body.tail<3>() += sum_of_lanes(force_W);
+}
+
+void push_apart(const State& state, Workspace& work, int first, const LinkLoads& load_W, int body, Partner partner) {
+  push_links(work, first, load_W, partner);
+  const Lanes3 from_base = load3(state.position, first) - in_all_lanes(state.chassis.position);
+  push_body(work, body, -load_W.force, -(cross(from_base, load_W.force) + load_W.torque));
 }
 
 }  // namespace grouser

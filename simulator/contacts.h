@@ -12,42 +12,43 @@
 /// its force acts, so that the energy book closes.
 namespace grouser {
 
-/// Normal force from the elastic one and the penetration rate.
-[[nodiscard]] inline double normal_factor(const CompiledContact& law, double penetration_rate) {
-  return std::max(0.0, 1.0 + law.rate * penetration_rate);
+/// Normal force over the elastic one at a penetration rate.
+[[nodiscard]] inline Lanes normal_factor(const CompiledContact& law, const Lanes& penetration_rate) {
+  return (1.0 + law.rate * penetration_rate).max(0.0);
 }
 
 /// Coefficient q [N s/m] of the sliding friction force -q v: mu N / sqrt(v^2 + v_s^2), its slope capped for the
 /// explicit step.
-[[nodiscard]] inline double sliding_friction(const CompiledContact& law, double normal, double speed_squared) {
-  return std::min(law.friction_slope_limit,
-                  law.friction * normal / std::sqrt(speed_squared + law.friction_speed * law.friction_speed));
+[[nodiscard]] inline Lanes sliding_friction(const CompiledContact& law, const Lanes& normal,
+                                            const Lanes& speed_squared) {
+  return (law.friction * normal / (speed_squared + law.friction_speed * law.friction_speed).sqrt())
+      .min(law.friction_slope_limit);
+}
+/// Its largest value, at rest.
+[[nodiscard]] inline Lanes steepest_friction(const CompiledContact& law, const Lanes& normal) {
+  return ((law.friction / law.friction_speed) * normal).min(law.friction_slope_limit);
 }
 
-/// One link as the contacts see it.
-struct LinkView {
-  int index;
-  Matrix3d rotation;          ///< link -> W
-  Vector3d position;          ///< centre, W [m]
-  Vector3d velocity;          ///< W
-  Vector3d angular_velocity;  ///< W
-  [[nodiscard]] Vector3d velocity_at(const Vector3d& from_center_W) const {
-    return velocity + angular_velocity.cross(from_center_W);
-  }
-};
-[[nodiscard]] LinkView view_link(const State& state, const Workspace& work, int i);
+inline constexpr double k_least_force = 1e-200;  ///< N; keeps 0 / 0 away from lanes that do not touch
 
-/// Forces gathered on one link, moments about its centre, before they are booked once.
-struct LinkLoad {
-  Vector3d force_W = Vector3d::Zero();
-  Vector3d torque_W = Vector3d::Zero();
-  void add(const Vector3d& arm_W, const Vector3d& f_W) {
-    force_W += f_W;
-    torque_W += arm_W.cross(f_W);
+/// Forces on eight links in a row and their moments about the links' centres.
+struct LinkLoads {
+  Lanes3 force = in_all_lanes(Vector3d::Zero()), torque = force;
+  void add(const Lanes3& arm, const Lanes3& f) {
+    force = force + f;
+    torque = torque + cross(arm, f);
   }
 };
-/// Adds a load to a link's sums and books its force to a partner.
-void push_link(Workspace& work, int i, const LinkLoad& load, Partner partner);
+/// Adds loads in W to the links from `first` on and books their forces to a partner.
+void push_links(Workspace& work, int first, const LinkLoads& load_W, Partner partner);
+/// Adds the sum of eight forces on a body of the tree, in W, with their moments about the base's centre of mass.
+void push_body(Workspace& work, int body, const Lanes3& force_W, const Lanes3& about_base_W);
+/// push_links, and the reverse of the loads on a body of the tree.
+void push_apart(const State& state, Workspace& work, int first, const LinkLoads& load_W, int body, Partner partner);
+
+inline void count_case(Workspace& work, ContactCase which, unsigned lanes) {
+  work.case_count[static_cast<std::size_t>(which)] += std::popcount(lanes);
+}
 
 /// Vectors of eight links in a row from World to the link frames and back; work.rotation from place_links.
 [[nodiscard]] inline Lanes3 to_links(const Workspace& work, int first, const Lanes3& v_W) {
@@ -63,14 +64,15 @@ void push_link(Workspace& work, int i, const LinkLoad& load, Partner partner);
 
 /// Calls visit(first, near) for windows of eight links in a row that together hold every link of the track whose centre
 /// is within `radius` of `center` (W), each once. A window begins at such a link; `near` says which others of it are.
-/// Neighbours in a track stay neighbours, so one window or two hold all that a wheel meets.
+/// Neighbours in a track stay neighbours, so one window or two hold all that a wheel meets. ahead = 1: joints instead,
+/// whose link ahead is so near.
 template <typename Visit>
-void for_links_within(const CompiledTrack& track, const State& state, const Vector3d& center, double radius,
+void for_links_within(const CompiledTrack& track, const State& state, const Vector3d& center, double radius, int ahead,
                       Visit visit) {
   const Lanes largest = Lanes::Constant(radius * radius);
   const int end = track.offset + track.num_links;
   const auto within = [&](int first) {
-    const Lanes3 apart = load3(state.position, first) - in_all_lanes(center);
+    const Lanes3 apart = load3(state.position, first + ahead) - in_all_lanes(center);
     return less_equal(dot(apart, apart), largest) & LaneMask::first(end - first);
   };
   for (int first = track.offset; first < end; first += k_lanes) {
@@ -95,12 +97,11 @@ void sprocket_contacts(const System& system, const AssemblyKnobs& knobs, const S
 /// accepted state, h [s] before this one. Writes state.history's anchors.
 void ground_contacts(const System& system, const History& before, double h, State& state, Workspace& work);
 
-/// Penetration of a pin in the gap frame of a sprocket, and the unit normal on the pin (X, Y).
+/// Penetration of pins in the gap frame of a sprocket, and the unit normal on the pin (X, Y).
 struct ToothContact {
-  double penetration = 0.0;
-  double normal_x = 0.0, normal_y = 0.0;
-  ContactCase where = ContactCase::sprocket_top;
+  Lanes penetration, normal_x, normal_y;
+  LaneMask on_tip;  ///< else on fillet or flank
 };
-[[nodiscard]] ToothContact touch_tooth(const CompiledSprocket& sprocket, double x, double y);
+[[nodiscard]] ToothContact touch_tooth(const CompiledSprocket& sprocket, const Lanes& x, const Lanes& y);
 
 }  // namespace grouser

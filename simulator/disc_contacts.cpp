@@ -1,11 +1,7 @@
-#include <bit>
-
 #include "simulator/contacts.h"
 
 namespace grouser {
 namespace {
-
-constexpr double k_least_force = 1e-200;  // N; keeps 0 / 0 away from lanes that do not touch
 
 /// What the contacts of one track leave to be summed over lanes at its end.
 struct TrackSums {
@@ -24,19 +20,6 @@ struct Meeting {
   Lanes3 spin;      ///< angular velocity of the pair against the link [rad/s]
   Lanes3 velocity;  ///< of the pair's centre against the point of the link that stands there [m/s]
 };
-
-/// Force on a disc pair and its moment about the link's centre, L.
-struct PairLoad {
-  Lanes3 force = in_all_lanes(Vector3d::Zero()), torque = force;
-  void add(const Lanes3& point, const Lanes3& f) {
-    force = force + f;
-    torque = torque + cross(point, f);
-  }
-};
-
-void count(Workspace& work, ContactCase which, unsigned lanes) {
-  work.case_count[static_cast<std::size_t>(which)] += std::popcount(lanes);
-}
 
 /// Contact patch of a disc on the wheel path as an elastic foundation of stiffness k [N/m^2]: energy k/2 int delta^2 dx
 /// with delta = depth - x^2 / 2R over the part of the plate below the disc. Closed polynomials; smooth hand-over from
@@ -65,7 +48,7 @@ Patch foundation(const Lanes& depth, double radius, const Lanes& from, const Lan
 }
 
 /// One disc on plate or edge. Returns the lanes that it touches.
-unsigned touch_path(const Meeting& m, double stiffness, double lateral, PairLoad& load, TrackSums& sums,
+unsigned touch_path(const Meeting& m, double stiffness, double lateral, LinkLoads& load, TrackSums& sums,
                     Workspace& work) {
   const CompiledTrack& track = m.track;
   const CompiledContact& law = m.discs.contact;
@@ -82,18 +65,17 @@ unsigned touch_path(const Meeting& m, double stiffness, double lateral, PairLoad
   const Lanes fx = stiffness * patch.force_x, fz = stiffness * patch.force_z;
   const Lanes elastic = (fx * fx + fz * fz).sqrt();
   const Lanes closing = -(fx * rate.x + fz * rate.z) / elastic.max(k_least_force);
-  const Lanes factor = (1.0 + law.rate * closing).max(0.0), normal = elastic * factor;
+  const Lanes factor = normal_factor(law, closing), normal = elastic * factor;
 
   const Lanes3 place{disc.x + patch.center, disc.y, Lanes::Constant(path)};
   const Lanes3 slip = m.velocity + cross(m.spin, place - m.center);
   const Lanes slip2 = slip.x * slip.x + slip.y * slip.y;
-  const Lanes q =
-      (law.friction * normal / (slip2 + law.friction_speed * law.friction_speed).sqrt()).min(law.friction_slope_limit);
-  load.add(disc, {fx * factor, Lanes::Zero(), fz * factor});
-  load.add(place, {-q * slip.x, -q * slip.y, Lanes::Zero()});
+  const Lanes q = sliding_friction(law, normal, slip2);
+  load.add(disc, {-fx * factor, Lanes::Zero(), -fz * factor});
+  load.add(place, {q * slip.x, q * slip.y, Lanes::Zero()});
 
   const double moving = 1.0 / track.mass, pitching = 1.0 / track.inertia.y(), rolling = 1.0 / track.inertia.x();
-  const Lanes steepest = (law.friction / law.friction_speed * normal).min(law.friction_slope_limit);
+  const Lanes steepest = steepest_friction(law, normal);
   const Lanes x_mobility = moving + pitching * disc.x * disc.x;
   add_to(work.stability[0] + m.first, stiffness * patch.width * (x_mobility + rolling * disc.y * disc.y));
   add_to(work.stability[1] + m.first, (moving + pitching * path * path) * steepest + law.rate * elastic * x_mobility);
@@ -109,7 +91,7 @@ unsigned touch_path(const Meeting& m, double stiffness, double lateral, PairLoad
 /// energy is k/2 min(delta, o)^2 w(x), with the hat w over one pitch so that neighbouring horns share a wheel; its
 /// gradient gives the wall cases and, when a rim rides on the horn (o < delta), the top case. Returns the lanes
 /// touched.
-unsigned touch_guide(const Meeting& m, PairLoad& load, TrackSums& sums, Workspace& work) {
+unsigned touch_guide(const Meeting& m, LinkLoads& load, TrackSums& sums, Workspace& work) {
   const CompiledTrack& track = m.track;
   const Lanes zero = Lanes::Zero(), one = Lanes::Ones(), aside = m.center.y.abs();
   const Lanes weight = 1.0 - (1.0 / track.pitch) * m.center.x.abs();
@@ -130,49 +112,42 @@ unsigned touch_guide(const Meeting& m, PairLoad& load, TrackSums& sums, Workspac
                      choose(top, zero, choose(pair_left, -normal, normal)), choose(top, normal, taper * normal)};
   const Lanes elastic = dot(force, force).sqrt();
   const Lanes closing = -dot(force, m.velocity) / elastic.max(k_least_force);
-  const Lanes factor = (1.0 + track.guide.rate * closing).max(0.0);
-  load.add(m.center, factor * force);
+  const Lanes factor = normal_factor(track.guide, closing);
+  load.add(m.center, -factor * force);
   const double arm = 0.1;  // m, of a force aside about the link's long axis
   add_to(work.stability[0] + m.first, choose(touching, (1.0 / track.mass + arm * arm / track.inertia.x()) * k, zero));
   sums.energy += 0.5 * normal * depth;
   sums.contact_power += elastic * (factor - 1.0) * closing;
-  count(work, ContactCase::guide_top, touched & bits_of(top));
-  count(work, ContactCase::guide_right_wall, touched & ~bits_of(top) & bits_of(pair_left));
-  count(work, ContactCase::guide_left_wall, touched & ~bits_of(top) & ~bits_of(pair_left));
+  count_case(work, ContactCase::guide_top, touched & bits_of(top));
+  count_case(work, ContactCase::guide_right_wall, touched & ~bits_of(top) & bits_of(pair_left));
+  count_case(work, ContactCase::guide_left_wall, touched & ~bits_of(top) & ~bits_of(pair_left));
   return touched;
 }
 
-/// Puts the load on the pair, its reverse on the links, and books it to a partner.
-void push_apart(const Meeting& m, const PairLoad& load, Partner partner, const State& state, Workspace& work) {
-  const Lanes3 force = to_world(work, m.first, load.force), torque = to_world(work, m.first, load.torque);
-  const Lanes3 from_base = load3(state.position, m.first) - in_all_lanes(state.chassis.position);
-  Vector6d& on_pair = work.chassis.force[static_cast<std::size_t>(m.discs.body)];
-  on_pair.head<3>() += sum_of_lanes(cross(from_base, force) + torque);
-  on_pair.tail<3>() += sum_of_lanes(force);
-  subtract_from3(work.force_W, m.first, force);
-  subtract_from3(work.torque_W, m.first, torque);
-  subtract_from3(work.contact_force_W[static_cast<std::size_t>(partner)], m.first, force);
+void push_apart(const Meeting& m, const LinkLoads& load_L, Partner partner, const State& state, Workspace& work) {
+  const LinkLoads load_W{to_world(work, m.first, load_L.force), to_world(work, m.first, load_L.torque)};
+  grouser::push_apart(state, work, m.first, load_W, m.discs.body, partner);
 }
 
 /// Both discs against wheel path and edges.
 void meet_path(const Meeting& m, double stiffness, const State& state, TrackSums& sums, Workspace& work) {
   const double outwards = m.track.lateral * m.discs.disc_offset;
-  PairLoad load;
+  LinkLoads load;
   const unsigned inner = touch_path(m, stiffness, -outwards, load, sums, work);
   const unsigned outer = touch_path(m, stiffness, outwards, load, sums, work);
   if ((inner | outer) == 0) return;
   push_apart(m, load, m.discs.partner, state, work);
   const unsigned edge = bits_of(less(Lanes::Constant(0.5 * m.track.pitch), m.center.x.abs()));
-  count(work, ContactCase::one_disc_on_plate, (inner ^ outer) & ~edge);
-  count(work, ContactCase::two_discs_on_plate, inner & outer & ~edge);
-  count(work, ContactCase::one_disc_on_edge, (inner ^ outer) & edge);
-  count(work, ContactCase::two_discs_on_edge, inner & outer & edge);
+  count_case(work, ContactCase::one_disc_on_plate, (inner ^ outer) & ~edge);
+  count_case(work, ContactCase::two_discs_on_plate, inner & outer & ~edge);
+  count_case(work, ContactCase::one_disc_on_edge, (inner ^ outer) & edge);
+  count_case(work, ContactCase::two_discs_on_edge, inner & outer & edge);
 }
 
 void meet_guide(const Meeting& m, const State& state, TrackSums& sums, Workspace& work) {
-  PairLoad load;
+  LinkLoads load;
   const unsigned touched = touch_guide(m, load, sums, work);
-  count(work, ContactCase::guide_none, bits_of(m.near) & ~touched);
+  count_case(work, ContactCase::guide_none, bits_of(m.near) & ~touched);
   if (touched != 0) push_apart(m, load, Partner::guide, state, work);
 }
 
@@ -187,7 +162,7 @@ void track_discs(const CompiledTrack& track, double stiffness_scale, const State
     const Lanes3 axle_W = in_all_lanes(work.chassis.rotation[body].col(1));
     const Lanes3 spin_W = in_all_lanes(work.chassis.angular_velocity_W[body]);
     const Lanes3 velocity_W = in_all_lanes(work.chassis.velocity_at(discs.body, from_base));
-    for_links_within(track, state, center_W, discs.radius + reach, [&](int first, const LaneMask& near) {
+    for_links_within(track, state, center_W, discs.radius + reach, 0, [&](int first, const LaneMask& near) {
       const Lanes3 center = to_links(work, first, in_all_lanes(center_W) - load3(state.position, first));
       const Lanes3 turn = load3(state.angular_velocity, first);
       const Lanes3 velocity = to_links(work, first, velocity_W - load3(state.velocity, first)) - cross(turn, center);

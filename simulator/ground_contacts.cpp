@@ -3,31 +3,55 @@
 namespace grouser {
 namespace {
 
-/// One point of a link against one body of the ground.
+/// One point of eight links in a row against one body of the ground.
 struct GroundPoint {
   const CompiledTrack& track;
-  double friction;
-  double h;  ///< since the last accepted state [s]
-  int row;   ///< in the history's anchor fields
-  int link;
+  double h;   ///< since the last accepted state [s]
+  int row;    ///< in the history's anchor fields
+  int first;  ///< link array index of lane 0
+  Lanes friction;
+  Vector3d place_L;   ///< in the link frame
+  Lanes3 arm, point;  ///< from the link's centre and from the origin, W
+  Lanes3 velocity;    ///< W
+};
+
+/// What the contacts of one track leave to be summed over lanes at its end.
+struct Sums {
+  Lanes energy = Lanes::Zero(), contact_power = Lanes::Zero(), ground_power = Lanes::Zero();
+  Lanes step_loss = Lanes::Zero();
 };
 
 /// Contact frame C on level ground: W itself.
 struct LevelFrame {
-  [[nodiscard]] const Vector3d& to_contact(const Vector3d& v_W) const { return v_W; }
-  [[nodiscard]] const Vector3d& to_world(const Vector3d& v_C) const { return v_C; }
+  [[nodiscard]] const Lanes3& to_contact(const Lanes3& v_W) const { return v_W; }
+  [[nodiscard]] const Lanes3& to_world(const Lanes3& v_C) const { return v_C; }
 };
 
 /// Contact frame C with z along the ground's normal.
 struct TiltedFrame {
-  explicit TiltedFrame(const Vector3d& normal) {
-    const Vector3d along = Vector3d(normal.z(), 0.0, -normal.x()).normalized();
-    R_WC << along, normal.cross(along), normal;
+  explicit TiltedFrame(const Lanes3& normal) : z(normal) {
+    const Lanes scale = (normal.z * normal.z + normal.x * normal.x).sqrt().inverse();
+    x = {scale * normal.z, Lanes::Zero(), -scale * normal.x};
+    y = cross(z, x);
   }
-  [[nodiscard]] Vector3d to_contact(const Vector3d& v_W) const { return R_WC.transpose() * v_W; }
-  [[nodiscard]] Vector3d to_world(const Vector3d& v_C) const { return R_WC * v_C; }
-  Matrix3d R_WC;
+  [[nodiscard]] Lanes3 to_contact(const Lanes3& v_W) const { return {dot(x, v_W), dot(y, v_W), dot(z, v_W)}; }
+  [[nodiscard]] Lanes3 to_world(const Lanes3& v_C) const { return v_C.x * x + v_C.y * y + v_C.z * z; }
+  Lanes3 x, y, z;  ///< axes of C in W
 };
+
+/// Where the bristles' springs were free: their anchors or, for points that came down since the last accepted state,
+/// the places where they touched. Without that a step that overshoots the touch-down takes away the stretch of its
+/// overshoot: the spring's error would be of first order.
+template <typename Frame>
+Lanes3 anchor_before(const GroundPoint& g, const Frame& frame, const History& before, const LaneMask& held,
+                     const Lanes3& velocity_C, const Lanes& depth) {
+  const Lanes closing = -velocity_C.z;
+  const Lanes since_touch = choose(less(depth, closing * g.h), depth / closing, Lanes::Constant(g.h));
+  const Lanes3 way = frame.to_world(Lanes3{since_touch * velocity_C.x, since_touch * velocity_C.y, Lanes::Zero()});
+  const Lanes3 anchor{load(before.anchor_x[g.row] + g.first), load(before.anchor_y[g.row] + g.first),
+                      load(before.anchor_z[g.row] + g.first)};
+  return choose(held, anchor, g.point - way);
+}
 
 /// Tangential force of a bristle: a spring from the anchor that yields at mu N, where the anchor is drawn along, and a
 /// damper beside it that gets what the spring leaves of mu N. Nothing is integrated, so a rejected step costs nothing
@@ -35,99 +59,79 @@ struct TiltedFrame {
 /// alone carries it. While N rises the damper then makes the bristle slide where it sticks, the more often the shorter
 /// the step: that law has no limit for h -> 0.
 struct Bristle {
-  double stretch_x, stretch_y;  ///< point less anchor, the spring's
-  double force_x, force_y;      ///< on the point
-  bool drawn;                   ///< the anchor moved
+  Lanes stretch_x, stretch_y;  ///< point less anchor, the spring's
+  Lanes force_x, force_y;      ///< on the point
+  LaneMask drawn;              ///< the anchor moved
 };
 
-/// Where the bristle's spring was free: its anchor or, for a point that came down since the last accepted state, the
-/// place where it touched. Without that a step that overshoots the touch-down takes away the stretch of its overshoot:
-/// the spring's error would be of first order.
-template <typename Frame>
-Vector3d anchor_before(const GroundPoint& g, const Frame& frame, const History& before, const Vector3d& point,
-                       const Vector3d& velocity_C, double depth) {
-  const int row = g.row, i = g.link;
-  if (before.anchored[row][i] != 0.0)
-    return {before.anchor_x[row][i], before.anchor_y[row][i], before.anchor_z[row][i]};
-  const double closing = -velocity_C.z(), since_touch = closing * g.h > depth ? depth / closing : g.h;
-  return point - frame.to_world(since_touch * Vector3d(velocity_C.x(), velocity_C.y(), 0.0));
-}
-
-/// x, y: from the old anchor to the point, in C; vx, vy: the point's velocity there.
-Bristle bend(const GroundPoint& g, double x, double y, double vx, double vy, double normal) {
-  const double k = g.track.bristle_stiffness, c = g.track.bristle_damping, limit = g.friction * normal;
-  Bristle b{x, y, 0.0, 0.0, false};
-  const double spring = k * std::sqrt(x * x + y * y);
-  if (spring > limit) {
-    b.stretch_x *= limit / spring;
-    b.stretch_y *= limit / spring;
-    b.drawn = true;
-  }
-  b.force_x = -k * b.stretch_x - c * vx;
-  b.force_y = -k * b.stretch_y - c * vy;
-  const double wanted = std::sqrt(b.force_x * b.force_x + b.force_y * b.force_y);
-  if (wanted > limit) {
-    b.force_x *= limit / wanted;
-    b.force_y *= limit / wanted;
-  }
-  return b;
-}
-
-/// A bristle let go gives up what it had stored.
-void release(const GroundPoint& g, const History& before, Workspace& work) {
-  if (before.anchored[g.row][g.link] == 0.0) return;
-  const double sx = before.stretch_x[g.row][g.link], sy = before.stretch_y[g.row][g.link];
-  work.energy.ground_step_loss += 0.5 * g.track.bristle_stiffness * (sx * sx + sy * sy);
+/// x, y: from the old anchor to the point, in C; v: the point's velocity there; limit: mu N.
+Bristle bend(const CompiledTrack& track, const Lanes& x, const Lanes& y, const Lanes3& v, const Lanes& limit) {
+  const double k = track.bristle_stiffness, c = track.bristle_damping;
+  const Lanes spring = k * (x * x + y * y).sqrt();
+  const LaneMask drawn = less(limit, spring);
+  const Lanes left = choose(drawn, limit / spring, Lanes::Ones());
+  const Lanes sx = left * x, sy = left * y, fx = -k * sx - c * v.x, fy = -k * sy - c * v.y;
+  const Lanes wanted = (fx * fx + fy * fy).sqrt();
+  const Lanes granted = choose(less(limit, wanted), limit / wanted, Lanes::Ones());
+  return {sx, sy, granted * fx, granted * fy, drawn};
 }
 
 /// Stiffness and damping of the contact over the link's inertia, for the stable step.
-void add_stability(const GroundPoint& g, const Vector3d& point_L, double elastic, Workspace& work) {
+void add_stability(const GroundPoint& g, const LaneMask& touching, const Lanes& elastic, Workspace& work) {
   const CompiledTrack& track = g.track;
-  const double mobility_t = 1.0 / track.mass + track.ground_depth * track.ground_depth / track.inertia.y();
+  const double pitching = 1.0 / track.inertia.y(), rolling = 1.0 / track.inertia.x();
+  const double mobility_t = 1.0 / track.mass + track.ground_depth * track.ground_depth * pitching;
   const double mobility_n =
-      1.0 / track.mass + point_L.x() * point_L.x() / track.inertia.y() + point_L.y() * point_L.y() / track.inertia.x();
-  work.stability[0][g.link] += track.ground.stiffness * mobility_n + track.bristle_stiffness * mobility_t;
-  work.stability[1][g.link] += elastic * track.ground.rate / track.mass + track.bristle_damping * mobility_t;
+      1.0 / track.mass + g.place_L.x() * g.place_L.x() * pitching + g.place_L.y() * g.place_L.y() * rolling;
+  const double stiffness = track.ground.stiffness * mobility_n + track.bristle_stiffness * mobility_t;
+  const Lanes zero = Lanes::Zero();
+  add_to(work.stability[0] + g.first, choose(touching, Lanes::Constant(stiffness), zero));
+  add_to(work.stability[1] + g.first, (track.ground.rate / track.mass) * elastic +
+                                          choose(touching, Lanes::Constant(track.bristle_damping * mobility_t), zero));
 }
 
-/// A `point` `depth` [m] below the ground's surface along the normal of `frame`, at `arm` from the link's centre (both
-/// W).
+/// Points `depth` [m] below the ground's surface along the normal of `frame`, 0 where they are not.
 template <typename Frame>
-void press(const GroundPoint& g, const Frame& frame, double depth, const LinkView& link, const Vector3d& point_L,
-           const Vector3d& arm, const Vector3d& point, const History& before, History& after, LinkLoad& load,
-           Workspace& work) {
+void press(const GroundPoint& g, const Frame& frame, const Lanes& depth, const History& before, History& after,
+           LinkLoads& load_W, Sums& sums, Workspace& work) {
   const CompiledTrack& track = g.track;
-  const int row = g.row, i = g.link;
-  const Vector3d velocity = frame.to_contact(link.velocity_at(arm));
-  const double closing = -velocity.z(), elastic = track.ground.stiffness * depth;
-  const double factor = normal_factor(track.ground, closing), normal = elastic * factor;
-  const bool held = before.anchored[row][i] != 0.0;
-  const Vector3d old_anchor = anchor_before(g, frame, before, point, velocity, depth);
-  const Vector3d from_anchor = frame.to_contact(point - old_anchor);
-  const Bristle b = bend(g, from_anchor.x(), from_anchor.y(), velocity.x(), velocity.y(), normal);
-  const double k = track.bristle_stiffness, sx = b.stretch_x, sy = b.stretch_y;
-  const Vector3d anchor = b.drawn ? point - frame.to_world(Vector3d(sx, sy, 0.0)) : old_anchor;
-  after.anchor_x[row][i] = anchor.x();
-  after.anchor_y[row][i] = anchor.y();
-  after.anchor_z[row][i] = anchor.z();
-  after.stretch_x[row][i] = sx;
-  after.stretch_y[row][i] = sy;
-  after.anchored[row][i] = 1.0;
-  load.add(arm, frame.to_world(Vector3d(b.force_x, b.force_y, normal)));
-  ++work.case_count[static_cast<std::size_t>(ContactCase::ground_point)];
-  add_stability(g, point_L, elastic, work);
+  const Lanes zero = Lanes::Zero(), half = Lanes::Constant(0.5);
+  const LaneMask touching = less(zero, depth), held = less(half, load(before.anchored[g.row] + g.first));
+  const double k = track.bristle_stiffness;
+  store(after.anchored[g.row] + g.first, choose(touching, Lanes::Ones(), zero));
+  if (bits_of(touching | held) == 0) return;
+  const Lanes old_sx = choose(held, load(before.stretch_x[g.row] + g.first), zero);
+  const Lanes old_sy = choose(held, load(before.stretch_y[g.row] + g.first), zero);
+  // A bristle let go gives up what it had stored.
+  const Lanes let_go = choose(touching, zero, 0.5 * k * (old_sx * old_sx + old_sy * old_sy));
 
-  work.energy.contact += 0.5 * (elastic * depth + k * (sx * sx + sy * sy));
-  work.energy.contact_power += elastic * (factor - 1.0) * closing;
+  const Lanes3 velocity = frame.to_contact(g.velocity);
+  const Lanes closing = -velocity.z, elastic = track.ground.stiffness * depth;
+  const Lanes factor = normal_factor(track.ground, closing), normal = elastic * factor;
+  const Lanes3 old_anchor = anchor_before(g, frame, before, held, velocity, depth);
+  const Lanes3 from_anchor = frame.to_contact(g.point - old_anchor);
+  const Bristle b = bend(track, from_anchor.x, from_anchor.y, velocity, g.friction * normal);
+  const Lanes sx = b.stretch_x, sy = b.stretch_y;
+  const Lanes3 drawn_to = g.point - frame.to_world(Lanes3{sx, sy, zero});
+  const Lanes3 anchor = choose(b.drawn, drawn_to, old_anchor);
+  store(after.anchor_x[g.row] + g.first, anchor.x);
+  store(after.anchor_y[g.row] + g.first, anchor.y);
+  store(after.anchor_z[g.row] + g.first, anchor.z);
+  store(after.stretch_x[g.row] + g.first, sx);
+  store(after.stretch_y[g.row] + g.first, sy);
+  load_W.add(g.arm, frame.to_world(Lanes3{b.force_x, b.force_y, normal}));
+  count_case(work, ContactCase::ground_point, bits_of(touching));
+  add_stability(g, touching, elastic, work);
+
+  sums.energy += 0.5 * (elastic * depth + choose(touching, k * (sx * sx + sy * sy), zero));
+  sums.contact_power += elastic * (factor - 1.0) * closing;
   // The damper's share. Not negative: mu N is a disc, the sum is scaled back to it and the spring lies inside.
-  work.energy.ground_power -= (b.force_x + k * sx) * velocity.x() + (b.force_y + k * sy) * velocity.y();
-  if (!b.drawn) return;
+  sums.ground_power -= choose(touching, (b.force_x + k * sx) * velocity.x + (b.force_y + k * sy) * velocity.y, zero);
   // Mean spring force over the step times the way of the anchor: with the stored energy's change this is the work,
   // exactly.
-  const Vector3d way = frame.to_contact(anchor - old_anchor);
-  const double old_sx = held ? before.stretch_x[row][i] : 0.0;
-  const double old_sy = held ? before.stretch_y[row][i] : 0.0;
-  work.energy.ground_step_loss += 0.5 * k * ((sx + old_sx) * way.x() + (sy + old_sy) * way.y());
+  const Lanes3 way = frame.to_contact(anchor - old_anchor);
+  const Lanes drawing = 0.5 * k * ((sx + old_sx) * way.x + (sy + old_sy) * way.y);
+  sums.step_loss += let_go + choose(touching & b.drawn, drawing, zero);
 }
 
 /// Depth of a point below a surface and the surface's normal; no contact where depth <= 0.
@@ -168,53 +172,80 @@ Touch touch_half_rounds(const GroundSurface& ground, const Vector3d& point) {
   return deepest;
 }
 
-void touch_level(const GroundPoint& g, const LinkView& link, const Vector3d& point_L, const History& before,
-                 History& after, LinkLoad& load, Workspace& work) {
-  const Vector3d arm = link.rotation * point_L, point = link.position + arm;
-  if (point.z() >= 0.0) return release(g, before, work);
-  press(g, LevelFrame{}, -point.z(), link, point_L, arm, point, before, after, load, work);
+/// Finds the touch of every lane that is near.
+template <typename Find>
+void press_uneven(const GroundPoint& g, const LaneMask& near, Find find, const History& before, History& after,
+                  LinkLoads& load_W, Sums& sums, Workspace& work) {
+  Lanes depth = Lanes::Zero();
+  Lanes3 normal = in_all_lanes(Vector3d::UnitZ());
+  for (unsigned left = bits_of(near); left != 0; left &= left - 1) {
+    const int lane = std::countr_zero(left);
+    const Touch touch = find(Vector3d(g.point.x[lane], g.point.y[lane], g.point.z[lane]));
+    if (touch.depth <= 0.0) continue;
+    depth[lane] = touch.depth;
+    normal.x[lane] = touch.normal.x();
+    normal.y[lane] = touch.normal.y();
+    normal.z[lane] = touch.normal.z();
+  }
+  press(g, TiltedFrame(normal), depth, before, after, load_W, sums, work);
 }
 
-void touch_uneven(const GroundSurface& ground, const GroundPoint& g, const LinkView& link, const Vector3d& point_L,
-                  const History& before, History& after, LinkLoad& load, Workspace& work) {
-  const Vector3d arm = link.rotation * point_L, point = link.position + arm;
-  const auto meet = [&](const Touch& touch, const GroundPoint& own) {
-    if (touch.depth <= 0.0) return release(own, before, work);
-    press(own, TiltedFrame(touch.normal), touch.depth, link, point_L, arm, point, before, after, load, work);
-  };
-  meet(touch_surface(ground, point), g);
-  if (ground.half_rounds().empty()) return;
-  GroundPoint on_round = g;
-  on_round.row += static_cast<int>(g.track.ground_points.size());
-  meet(touch_half_rounds(ground, point), on_round);
+/// Links so low that they may touch.
+LaneMask links_near(const GroundSurface& ground, const CompiledTrack& track, int first, const State& state,
+                    const Workspace& work) {
+  const double near = std::hypot(track.ground_depth, 0.5 * track.pitch) + 0.02;
+  Lanes highest = Lanes::Zero();
+  for (int lane = 0; lane < k_lanes && !ground.level(); ++lane) {
+    highest[lane] = ground.highest_near(state.position[0][first + lane], state.position[1][first + lane]);
+  }
+  const Lanes reach = near + track.half_width * load(work.rotation[7] + first).abs();
+  return less_equal(load(state.position[2] + first), highest + reach) &
+         LaneMask::first(track.offset + track.num_links - first);
+}
+
+/// Eight links in a row on all their points.
+void meet_ground(const GroundSurface& ground, const CompiledTrack& track, int first, double h, const History& before,
+                 State& state, Sums& sums, Workspace& work) {
+  const LaneMask near = links_near(ground, track, first, state, work);
+  if (bits_of(near) == 0) return;
+  const Lanes3 position = load3(state.position, first), velocity = load3(state.velocity, first);
+  const Lanes3 turn = load3(work.angular_velocity_W, first);
+  Lanes friction;
+  for (int lane = 0; lane < k_lanes; ++lane) friction[lane] = ground.friction(position.x[lane], position.y[lane]);
+  const int num_points = static_cast<int>(track.ground_points.size());
+  LinkLoads load_W;
+  for (int p = 0; p < num_points; ++p) {
+    const Vector3d& place_L = track.ground_points[static_cast<std::size_t>(p)];
+    const Lanes3 arm = to_world(work, first, in_all_lanes(place_L));
+    GroundPoint point{track, h, p, first, friction, place_L, arm, position + arm, velocity + cross(turn, arm)};
+    if (ground.level()) {
+      const Lanes depth = choose(near, -point.point.z, Lanes::Zero()).max(0.0);
+      press(point, LevelFrame{}, depth, before, state.history, load_W, sums, work);
+      continue;
+    }
+    const auto on_surface = [&](const Vector3d& at) { return touch_surface(ground, at); };
+    press_uneven(point, near, on_surface, before, state.history, load_W, sums, work);
+    if (ground.half_rounds().empty()) continue;
+    point.row += num_points;
+    const auto on_half_rounds = [&](const Vector3d& at) { return touch_half_rounds(ground, at); };
+    press_uneven(point, near, on_half_rounds, before, state.history, load_W, sums, work);
+  }
+  push_links(work, first, load_W, Partner::ground);
 }
 
 }  // namespace
 
 void ground_contacts(const System& system, const History& before, double h, State& state, Workspace& work) {
-  const GroundSurface& ground = system.ground;
   state.history.anchored.fill(0.0);
   for (const CompiledTrack& track : system.tracks) {
-    const double near = std::hypot(track.ground_depth, 0.5 * track.pitch) + 0.02;
-    for (int first = 0; first < track.num_links; ++first) {
-      const int i = track.offset + first;
-      const double reach = near + track.half_width * std::abs(work.rotation[7][i]);
-      const double highest = ground.level() ? 0.0 : ground.highest_near(state.position[0][i], state.position[1][i]);
-      if (state.position[2][i] > highest + reach) continue;
-      const LinkView link = view_link(state, work, i);
-      const double friction = ground.friction(link.position.x(), link.position.y());
-      LinkLoad load;
-      for (std::size_t p = 0; p < track.ground_points.size(); ++p) {
-        const Vector3d& point_L = track.ground_points[p];
-        const GroundPoint point{track, friction, h, static_cast<int>(p), i};
-        if (ground.level()) {
-          touch_level(point, link, point_L, before, state.history, load, work);
-        } else {
-          touch_uneven(ground, point, link, point_L, before, state.history, load, work);
-        }
-      }
-      push_link(work, i, load, Partner::ground);
+    Sums sums;
+    for (int first = 0; first < track.num_links; first += k_lanes) {
+      meet_ground(system.ground, track, track.offset + first, h, before, state, sums, work);
     }
+    work.energy.contact += sums.energy.sum();
+    work.energy.contact_power += sums.contact_power.sum();
+    work.energy.ground_power += sums.ground_power.sum();
+    work.energy.ground_step_loss += sums.step_loss.sum();
   }
 }
 

@@ -72,6 +72,7 @@ struct Lanes3 {
 };
 [[nodiscard]] inline Lanes3 operator+(const Lanes3& a, const Lanes3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 [[nodiscard]] inline Lanes3 operator-(const Lanes3& a, const Lanes3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+[[nodiscard]] inline Lanes3 operator-(const Lanes3& a) { return {-a.x, -a.y, -a.z}; }
 template <typename Scale>
 [[nodiscard]] inline Lanes3 operator*(const Scale& s, const Lanes3& a) {
   return {s * a.x, s * a.y, s * a.z};
@@ -81,6 +82,9 @@ template <typename Scale>
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
+[[nodiscard]] inline Lanes3 choose(const LaneMask& mask, const Lanes3& yes, const Lanes3& no) {
+  return {choose(mask, yes.x, no.x), choose(mask, yes.y, no.y), choose(mask, yes.z, no.z)};
+}
 /// The same vector in every lane.
 [[nodiscard]] inline Lanes3 in_all_lanes(const Eigen::Vector3d& v) {
   return {Lanes::Constant(v.x()), Lanes::Constant(v.y()), Lanes::Constant(v.z())};
@@ -120,10 +124,10 @@ inline void store3(Field& field, int i, const Lanes3& value) {
   store(field[2] + i, value.z);
 }
 
-inline void subtract_from3(Field& field, int i, const Lanes3& value) {
-  add_to(field[0] + i, -value.x);
-  add_to(field[1] + i, -value.y);
-  add_to(field[2] + i, -value.z);
+inline void add_to3(Field& field, int i, const Lanes3& value) {
+  add_to(field[0] + i, value.x);
+  add_to(field[1] + i, value.y);
+  add_to(field[2] + i, value.z);
 }
 
 }  // namespace grouser

@@ -16,23 +16,34 @@ struct Mobility {
         rx(2.0 / inertia.x()),
         ry(2.0 / inertia.y()),
         rz(2.0 / inertia.z()) {}
-  [[nodiscard]] double of(const Field& k, int j) const {
-    return std::max({tx * k[0][j], tz * k[2][j] + ry * k[4][j], ty * k[1][j] + rz * k[5][j], rx * k[3][j]});
+  /// Eight joints from j on.
+  [[nodiscard]] Lanes of(const Field& k, int j) const {
+    const auto at = [&](int axis) { return load(k[axis] + j); };
+    return (tx * at(0)).max(tz * at(2) + ry * at(4)).max(ty * at(1) + rz * at(5)).max(rx * at(3));
   }
 };
+
+/// What eight joints put into the sums of the bodies from `first` on; lanes behind the last joint are padding.
+void add_joints(const Mobility& body, const Workspace& work, int joint, int valid, int first, Field& stability) {
+  const LaneMask joints = LaneMask::first(valid);
+  add_to(stability[0] + first, choose(joints, body.of(work.joint_stiffness, joint), Lanes::Zero()));
+  add_to(stability[1] + first, choose(joints, body.of(work.joint_damping, joint), Lanes::Zero()));
+}
+
+/// The link ahead of the last joint is the first one: what was put on its copy behind the last link is its own.
+void close_seam(const CompiledTrack& track, Field& stability) {
+  for (const int sum : {0, 1}) stability[sum][track.offset] += stability[sum][track.offset + track.num_links];
+}
 
 /// Sums that the joints on both sides put into a link's stability bound: S2 over stiffness, S1 over damping.
 void add_joint_stability(const CompiledTrack& track, Workspace& work) {
   const Mobility link(track.mass, track.inertia, 0.5 * track.pitch);
-  const int first = track.offset, last = track.offset + track.num_links - 1;
-  double s2_before = link.of(work.joint_stiffness, last), s1_before = link.of(work.joint_damping, last);
-  for (int i = first; i <= last; ++i) {
-    const double s2 = link.of(work.joint_stiffness, i), s1 = link.of(work.joint_damping, i);
-    work.stability[0][i] += s2 + s2_before;
-    work.stability[1][i] += s1 + s1_before;
-    s2_before = s2;
-    s1_before = s1;
+  for (int k = 0; k < track.num_links; k += k_lanes) {
+    const int i = track.offset + k;
+    add_joints(link, work, i, track.num_links - k, i, work.stability);
+    add_joints(link, work, i, track.num_links - k, i + 1, work.stability);
   }
+  close_seam(track, work.stability);
 }
 
 /// The same for links and connectors, each between two bushings.
@@ -40,22 +51,29 @@ void add_connector_stability(const CompiledTrack& track, Workspace& work) {
   const LinkBodies& connectors = track.bodies[1];
   const Mobility link(track.mass, track.inertia, track.groove);
   const Mobility connector(connectors.mass, connectors.inertia, 0.5 * track.connector_length);
-  const int n = track.num_links;
-  for (int k = 0; k < n; ++k) {
-    const int front = track.offset + k, rear = connectors.offset + k, behind = connectors.offset + (k + n - 1) % n;
-    for (const auto& [field, sum] : {std::pair(&work.joint_stiffness, 0), std::pair(&work.joint_damping, 1)}) {
-      work.stability[sum][front] += link.of(*field, front) + link.of(*field, behind);
-      work.stability[sum][rear] += connector.of(*field, front) + connector.of(*field, rear);
-    }
+  for (int k = 0; k < track.num_links; k += k_lanes) {
+    const int valid = track.num_links - k, front = track.offset + k, rear = connectors.offset + k;
+    add_joints(link, work, front, valid, front, work.stability);
+    add_joints(link, work, rear, valid, front + 1, work.stability);
+    add_joints(connector, work, front, valid, rear, work.stability);
+    add_joints(connector, work, rear, valid, rear, work.stability);
   }
+  close_seam(track, work.stability);
 }
 
+/// The shortest stable step, 2 / (s1 + sqrt(s1^2 + a)) with a = (4 beta - 3) s2, belongs to the largest rate.
 void find_bound(const LinkBodies& bodies, double beta, Workspace& work) {
-  for (int i = bodies.offset; i < bodies.offset + bodies.count; ++i) {
-    const double h = stable_step(beta, work.stability[0][i], work.stability[1][i]);
-    if (h < work.largest_stable_step) {
-      work.largest_stable_step = h;
-      work.bounding = {i, -1};
+  double largest = 2.0 / work.largest_stable_step;
+  for (int k = 0; k < bodies.count; k += k_lanes) {
+    const int i = bodies.offset + k;
+    const Lanes s2 = load(work.stability[0] + i), s1 = load(work.stability[1] + i);
+    const Lanes rate = s1 + (s1 * s1 + (4.0 * beta - 3.0) * s2).sqrt();
+    if (rate.maxCoeff() <= largest) continue;
+    for (int lane = 0; lane < std::min(k_lanes, bodies.count - k); ++lane) {
+      if (rate[lane] <= largest) continue;
+      largest = rate[lane];
+      work.largest_stable_step = 2.0 / largest;
+      work.bounding = {i + lane, -1};
     }
   }
 }
@@ -82,8 +100,9 @@ void turn(const State& now, const Lanes3& angle, int i, State& next) {
 
 void accelerate(const LinkBodies& bodies, const Vector3d& g, double mass_damping, const State& state, Workspace& work,
                 Acceleration& acceleration) {
-  const Vector3d& inertia = bodies.inertia;
-  Lanes kinetic = Lanes::Zero(), height = Lanes::Zero(), damped = Lanes::Zero();
+  const Vector3d &inertia = bodies.inertia, per_inertia = inertia.cwiseInverse();
+  const double per_mass = 1.0 / bodies.mass;
+  Lanes kinetic = Lanes::Zero(), height = Lanes::Zero();
   for (int first = 0; first < bodies.count; first += k_lanes) {
     const int i = bodies.offset + first;
     const Lanes3 v = load3(state.velocity, i), w = load3(state.angular_velocity, i);
@@ -93,24 +112,21 @@ void accelerate(const LinkBodies& bodies, const Vector3d& g, double mass_damping
                         r(1) * torque_W.x + r(4) * torque_W.y + r(7) * torque_W.z,
                         r(2) * torque_W.x + r(5) * torque_W.y + r(8) * torque_W.z};
     const double d = mass_damping;
-    store3(acceleration.linear, i,
-           {force.x / bodies.mass + g.x() - d * v.x, force.y / bodies.mass + g.y() - d * v.y,
-            force.z / bodies.mass + g.z() - d * v.z});
+    store3(acceleration.linear, i, per_mass * force + in_all_lanes(g) - d * v);
     store3(acceleration.angular, i,
-           {(torque.x - (inertia.z() - inertia.y()) * w.y * w.z) / inertia.x() - d * w.x,
-            (torque.y - (inertia.x() - inertia.z()) * w.z * w.x) / inertia.y() - d * w.y,
-            (torque.z - (inertia.y() - inertia.x()) * w.x * w.y) / inertia.z() - d * w.z});
-    Lanes energy =
+           {per_inertia.x() * (torque.x - (inertia.z() - inertia.y()) * w.y * w.z) - d * w.x,
+            per_inertia.y() * (torque.y - (inertia.x() - inertia.z()) * w.z * w.x) - d * w.y,
+            per_inertia.z() * (torque.z - (inertia.y() - inertia.x()) * w.x * w.y) - d * w.z});
+    const Lanes energy =
         0.5 * (bodies.mass * dot(v, v) + inertia.x() * w.x * w.x + inertia.y() * w.y * w.y + inertia.z() * w.z * w.z);
-    Lanes lift = -bodies.mass * (g.x() * p.x + g.y() * p.y + g.z() * p.z);
-    for (int lane = bodies.count - first; lane < k_lanes; ++lane) energy[lane] = lift[lane] = 0.0;
-    kinetic += energy;
-    height += lift;
-    damped += 2.0 * d * energy;
+    const Lanes lift = -bodies.mass * (g.x() * p.x + g.y() * p.y + g.z() * p.z);
+    const LaneMask valid = LaneMask::first(bodies.count - first);
+    kinetic += choose(valid, energy, Lanes::Zero());
+    height += choose(valid, lift, Lanes::Zero());
   }
   work.energy.kinetic += kinetic.sum();
   work.energy.gravity += height.sum();
-  work.energy.assembly_power += damped.sum();
+  work.energy.assembly_power += 2.0 * mass_damping * kinetic.sum();
 }
 
 }  // namespace

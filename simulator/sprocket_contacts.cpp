@@ -6,197 +6,279 @@
 namespace grouser {
 namespace {
 
-/// A point of a body that carries the pin.
-struct PinBearer {
-  LinkView body;
-  Vector3d from_body_W;
-};
-
-/// A point of the pin: the mean of points of its bearers. A single pin is borne by its link; a double pin's middle,
-/// half way between the bores of two shoes, by both, each with half of its load; or by a connector that is a body.
-struct PinMeeting {
+/// The sprocket's frame S at the instant.
+struct Wheel {
   const CompiledTrack& track;
-  std::span<const PinBearer> bearers;
-  Vector3d pin_from_base_W;
+  double stiffness;   ///< N/m per ring
+  Vector3d center_W;  ///< less the base's centre of mass
+  Matrix3d R_WS;
+  Vector3d velocity_W, spin_W;  ///< velocity: of the base's centre of mass if it were fixed to the sprocket
+
+  [[nodiscard]] Lanes3 to_sprocket(const Lanes3& v_W) const {
+    const Matrix3d& R = R_WS;
+    return {R(0, 0) * v_W.x + R(1, 0) * v_W.y + R(2, 0) * v_W.z, R(0, 1) * v_W.x + R(1, 1) * v_W.y + R(2, 1) * v_W.z,
+            R(0, 2) * v_W.x + R(1, 2) * v_W.y + R(2, 2) * v_W.z};
+  }
+  [[nodiscard]] Lanes3 to_world(const Lanes3& v_S) const {
+    const Matrix3d& R = R_WS;
+    return {R(0, 0) * v_S.x + R(0, 1) * v_S.y + R(0, 2) * v_S.z, R(1, 0) * v_S.x + R(1, 1) * v_S.y + R(1, 2) * v_S.z,
+            R(2, 0) * v_S.x + R(2, 1) * v_S.y + R(2, 2) * v_S.z};
+  }
 };
 
-/// The bodies of one kind that `index` belongs to.
-const LinkBodies& bodies_of(const CompiledTrack& track, int index) {
-  const LinkBodies& links = track.bodies.front();
-  return index < links.offset + links.count && index >= links.offset ? links : track.bodies.back();
-}
+/// Who bears a joint's pin for the teeth: a point of a body, `ahead` of its centre. A single pin is borne by the link
+/// ahead; a double pin's middle, half way between the bores of two shoes, by both, each with half of the load; or by a
+/// connector that is a body.
+struct Bearer {
+  const LinkBodies& kind;
+  int from_joint;  ///< its place in the link arrays less the joint's
+  double ahead;    ///< m
+  double share;
+};
 
-/// Force on the pin, minus it on the sprocket, at one common point; counts towards the step's bound.
-void push_pin(const PinMeeting& m, const Vector3d& force, double stiffness, double damping, Workspace& work) {
-  const CompiledTrack& track = m.track;
-  const double share = 1.0 / static_cast<double>(m.bearers.size()), ring = track.sprocket.ring_offset;
-  for (const PinBearer& bearer : m.bearers) {
-    const LinkBodies& kind = bodies_of(track, bearer.body.index);
-    LinkLoad load;
-    load.add(bearer.from_body_W, share * force);
-    push_link(work, bearer.body.index, load, Partner::sprocket);
-    const double half = kind.offset == track.offset ? 0.5 * track.pitch : 0.0;
-    const double mobility = 1.0 / kind.mass + half * half / kind.inertia.y();
-    work.stability[0][bearer.body.index] += share * stiffness * (mobility + ring * ring / kind.inertia.x());
-    work.stability[1][bearer.body.index] += share * damping * mobility;
+/// Pins of eight joints in a row, or points on them.
+struct Pins {
+  std::span<const Bearer> bearers;
+  int first;                    ///< joint of lane 0; joint i stands between links i and i+1
+  LaneMask near;                ///< lanes that count
+  std::array<Lanes3, 2> arm_W;  ///< of the bearers' points from their centres
+  Lanes3 from_base_W;           ///< from the base's centre of mass
+  Lanes3 place;                 ///< in S
+  Lanes radius;                 ///< from the axle
+};
+
+/// What the contacts of one sprocket leave to be summed over lanes at its end.
+struct Sums {
+  Lanes energy = Lanes::Zero(), contact_power = Lanes::Zero(), friction_power = Lanes::Zero();
+};
+
+/// Points `aside` from the middles of the pins, along them: the means of their bearers' points.
+Pins place_pins(const Wheel& wheel, std::span<const Bearer> bearers, const State& state, const Workspace& work,
+                int first, const LaneMask& near, double aside) {
+  Pins pins{bearers, first, near, {}, -in_all_lanes(state.chassis.position), {}, {}};
+  for (std::size_t b = 0; b < bearers.size(); ++b) {
+    const int body = first + bearers[b].from_joint;
+    const Lanes3 x{load(work.rotation[0] + body), load(work.rotation[3] + body), load(work.rotation[6] + body)};
+    const Lanes3 y{load(work.rotation[1] + body), load(work.rotation[4] + body), load(work.rotation[7] + body)};
+    pins.arm_W[b] = bearers[b].ahead * x + aside * y;
+    pins.from_base_W = pins.from_base_W + bearers[b].share * (load3(state.position, body) + pins.arm_W[b]);
   }
-  work.chassis.add_force(track.sprocket.body, m.pin_from_base_W, -force);
+  pins.place = wheel.to_sprocket(pins.from_base_W - in_all_lanes(wheel.center_W));
+  pins.radius = (pins.place.x * pins.place.x + pins.place.z * pins.place.z).sqrt();
+  return pins;
 }
 
-void touch_with(const PinMeeting& m, const CompiledContact& law, double stiffness, double depth, const Vector3d& normal,
-                const Vector3d& relative_velocity, Workspace& work) {
-  const double elastic = stiffness * depth, closing = -relative_velocity.dot(normal);
-  const double factor = normal_factor(law, closing), force = elastic * factor;
-  const Vector3d slip = relative_velocity + closing * normal;
-  const double q = sliding_friction(law, force, slip.squaredNorm());
-  const double steepest = std::min(law.friction_slope_limit, law.friction * force / law.friction_speed);
-  push_pin(m, force * normal - q * slip, stiffness, steepest + elastic * law.rate, work);
-  work.energy.contact += 0.5 * stiffness * depth * depth;
-  work.energy.contact_power += elastic * (factor - 1.0) * closing;
-  work.energy.friction_power += q * slip.squaredNorm();
+/// Velocity against the sprocket, in S.
+Lanes3 relative_velocity(const Wheel& wheel, const Pins& pins, const State& state, const Workspace& work) {
+  Lanes3 velocity = -(in_all_lanes(wheel.velocity_W) + cross(in_all_lanes(wheel.spin_W), pins.from_base_W));
+  for (std::size_t b = 0; b < pins.bearers.size(); ++b) {
+    const int body = pins.first + pins.bearers[b].from_joint;
+    velocity = velocity + pins.bearers[b].share * (load3(state.velocity, body) +
+                                                   cross(load3(work.angular_velocity_W, body), pins.arm_W[b]));
+  }
+  return wheel.to_sprocket(velocity);
 }
 
-/// Tooth sides: lateral play used up while the pin is below the tips. The stiffness fades over 20 mm below the tip
-/// circle so that a pin entering sideways is met gradually; its gradient pushes the pin outwards.
-void touch_side(const PinMeeting& m, double lateral, double radius, const Vector3d& radial_W, const Vector3d& axle_W,
-                const Vector3d& relative_velocity, Workspace& work) {
+/// Forces on pins in S, and what they put into the step's bound.
+struct PinForce {
+  Lanes3 force = in_all_lanes(Vector3d::Zero());
+  Lanes stiffness = Lanes::Zero(), damping = Lanes::Zero();
+};
+
+/// Books the forces on bearers and sprocket, each pair at one common point, and towards the step's bound.
+void push_pins(const Wheel& wheel, const Pins& pins, const PinForce& pushed, Workspace& work) {
+  const CompiledTrack& track = wheel.track;
+  const Lanes3 force = wheel.to_world(pushed.force);
+  push_body(work, track.sprocket.body, -force, -cross(pins.from_base_W, force));
+  for (std::size_t b = 0; b < pins.bearers.size(); ++b) {
+    const auto& [kind, from_joint, ahead, share] = pins.bearers[b];
+    const int body = pins.first + from_joint;
+    LinkLoads load;
+    load.add(pins.arm_W[b], share * force);
+    push_links(work, body, load, Partner::sprocket);
+    const double ring = track.sprocket.ring_offset;
+    const double mobility = 1.0 / kind.mass + ahead * ahead / kind.inertia.y();
+    add_to(work.stability[0] + body, share * (mobility + ring * ring / kind.inertia.x()) * pushed.stiffness);
+    add_to(work.stability[1] + body, share * mobility * pushed.damping);
+  }
+}
+
+/// The link ahead of the last joint is the first one: what was put on its copy behind the last link is its own.
+void close_seam(const CompiledTrack& track, Workspace& work) {
+  const int first = track.offset, copy = track.offset + track.num_links;
+  const auto take = [&](Field& field) {
+    for (int c = 0; c < field.components(); ++c) {
+      field[c][first] += field[c][copy];
+      field[c][copy] = 0.0;
+    }
+  };
+  take(work.force_W);
+  take(work.torque_W);
+  take(work.stability);
+  take(work.contact_force_W[static_cast<std::size_t>(Partner::sprocket)]);
+}
+
+/// A surface with `normal` (S, in its plane) that pins are `depth` deep in; 0 where they are not.
+void touch_surface(const Wheel& wheel, const Lanes& depth, const Lanes& normal_x, const Lanes& normal_z,
+                   const Lanes3& velocity, PinForce& pushed, Sums& sums) {
+  const CompiledContact& law = wheel.track.sprocket.contact;
+  const Lanes elastic = wheel.stiffness * depth, closing = -(velocity.x * normal_x + velocity.z * normal_z);
+  const Lanes factor = normal_factor(law, closing), force = elastic * factor;
+  const Lanes3 slip{velocity.x + closing * normal_x, velocity.y, velocity.z + closing * normal_z};
+  const Lanes slip2 = dot(slip, slip), q = sliding_friction(law, force, slip2);
+  pushed.force.x += force * normal_x - q * slip.x;
+  pushed.force.y -= q * slip.y;
+  pushed.force.z += force * normal_z - q * slip.z;
+  const LaneMask touching = less(Lanes::Zero(), depth);
+  pushed.stiffness += choose(touching, Lanes::Constant(wheel.stiffness), Lanes::Zero());
+  pushed.damping += steepest_friction(law, force) + law.rate * elastic;
+  sums.energy += 0.5 * elastic * depth;
+  sums.contact_power += elastic * (factor - 1.0) * closing;
+  sums.friction_power += q * slip2;
+}
+
+/// Unit vector (x, z) in S to the middle of the gap that is nearest to each pin.
+struct GapDirection {
+  Lanes x = Lanes::Ones(), z = Lanes::Zero();
+};
+
+GapDirection nearest_gap(int teeth, const Lanes3& place) {
+  const double step = 2.0 * k_pi / teeth, step_x = std::cos(step), step_z = std::sin(step);
+  GapDirection nearest;
+  Lanes furthest_along = place.x;  // gap 0 stands along x
+  double x = step_x, z = step_z;
+  for (int gap = 1; gap < teeth; ++gap) {
+    const Lanes along = x * place.x + z * place.z;
+    const LaneMask nearer = less(furthest_along, along);
+    furthest_along = furthest_along.max(along);
+    nearest.x = choose(nearer, Lanes::Constant(x), nearest.x);
+    nearest.z = choose(nearer, Lanes::Constant(z), nearest.z);
+    const double next_x = x * step_x - z * step_z;
+    z = z * step_x + x * step_z;
+    x = next_x;
+  }
+  return nearest;
+}
+
+/// Tooth sides: lateral play used up while the pin is below the tips, met at the middle of the pin. The stiffness fades
+/// over 20 mm below the tip circle so that a pin entering sideways is met gradually; its gradient pushes the pin
+/// outwards.
+void meet_sides(const Wheel& wheel, const Pins& pins, const State& state, Sums& sums, Workspace& work) {
   constexpr double k_fade = 0.02;  // m
-  const CompiledSprocket& sprocket = m.track.sprocket;
-  const double depth = std::abs(lateral) - sprocket.side_clearance;
-  const double fade = std::min(1.0, (sprocket.tip_radius - radius) / k_fade);
-  if (depth <= 0.0 || fade <= 0.0) return;
-  const double sign = lateral > 0.0 ? 1.0 : -1.0, k = sprocket.side_stiffness * fade;
-  Vector3d elastic = -sign * k * depth * axle_W;
-  if (fade < 1.0) elastic += 0.5 * sprocket.side_stiffness * depth * depth / k_fade * radial_W;
-  const double magnitude = elastic.norm(), closing = -elastic.dot(relative_velocity) / magnitude;
-  const double factor = normal_factor(sprocket.contact, closing);
-  push_pin(m, factor * elastic, k, 0.0, work);
-  work.energy.contact += 0.5 * k * depth * depth;
-  work.energy.contact_power += magnitude * (factor - 1.0) * closing;
-  ++work.case_count[static_cast<std::size_t>(sign > 0.0 ? ContactCase::sprocket_side_left
-                                                        : ContactCase::sprocket_side_right)];
+  const CompiledSprocket& sprocket = wheel.track.sprocket;
+  const Lanes zero = Lanes::Zero(), deep = pins.place.y.abs() - sprocket.side_clearance;
+  const Lanes fade = ((sprocket.tip_radius - pins.radius) / k_fade).min(1.0);
+  const LaneMask touching = pins.near & less(zero, deep) & less(zero, fade), to_left = less(zero, pins.place.y);
+  const unsigned touched = bits_of(touching);
+  if (touched == 0) return;
+  const Lanes depth = choose(touching, deep, zero), k = sprocket.side_stiffness * fade, normal = k * depth;
+  const Lanes outwards =
+      choose(less(fade, Lanes::Ones()), (0.5 * sprocket.side_stiffness / k_fade) * depth * depth / pins.radius, zero);
+  const Lanes3 elastic{outwards * pins.place.x, choose(to_left, -normal, normal), outwards * pins.place.z};
+  const Lanes magnitude = dot(elastic, elastic).sqrt();
+  const Lanes closing = -dot(elastic, relative_velocity(wheel, pins, state, work)) / magnitude.max(k_least_force);
+  const Lanes factor = normal_factor(sprocket.contact, closing);
+  push_pins(wheel, pins, {factor * elastic, choose(touching, k, zero), zero}, work);
+  sums.energy += 0.5 * normal * depth;
+  sums.contact_power += magnitude * (factor - 1.0) * closing;
+  count_case(work, ContactCase::sprocket_side_left, touched & bits_of(to_left));
+  count_case(work, ContactCase::sprocket_side_right, touched & ~bits_of(to_left));
 }
 
-Vector3d relative_velocity(const PinMeeting& m, const Workspace& work) {
-  Vector3d velocity = Vector3d::Zero();
-  for (const PinBearer& bearer : m.bearers) velocity += bearer.body.velocity_at(bearer.from_body_W);
-  return velocity / static_cast<double>(m.bearers.size()) -
-         work.chassis.velocity_at(m.track.sprocket.body, m.pin_from_base_W);
-}
+/// The pins at one ring of teeth: tooth surfaces and base circle.
+void meet_ring(const Wheel& wheel, const Pins& pins, const State& state, Sums& sums, Workspace& work) {
+  const CompiledSprocket& sprocket = wheel.track.sprocket;
+  const Lanes zero = Lanes::Zero();
+  const LaneMask in_reach =
+      pins.near & less_equal(pins.radius, Lanes::Constant(sprocket.tip_radius + sprocket.pin_radius));
+  if (bits_of(in_reach) == 0) return;
+  const GapDirection gap = nearest_gap(sprocket.teeth, pins.place);
+  const Lanes x = gap.x * pins.place.x + gap.z * pins.place.z, y = gap.x * pins.place.z - gap.z * pins.place.x;
+  const ToothContact tooth = touch_tooth(sprocket, x, y);
+  const Lanes tooth_depth = choose(in_reach, tooth.penetration, zero).max(0.0);
+  const Lanes base_depth = choose(in_reach, sprocket.pin_radius + sprocket.base_radius - pins.radius, zero).max(0.0);
+  const unsigned on_tooth = bits_of(less(zero, tooth_depth)), on_base = bits_of(less(zero, base_depth));
+  if ((on_tooth | on_base) == 0) return;
 
-/// The middle of the pin against the sides of the teeth.
-void meet_sides(const PinMeeting& m, const Matrix3d& R_WS, const Vector3d& sprocket_from_base, Workspace& work) {
-  const Vector3d pin = R_WS.transpose() * (m.pin_from_base_W - sprocket_from_base);
-  const double radius = std::hypot(pin.x(), pin.z());
-  if (radius > m.track.sprocket.tip_radius) return;
-  const Vector3d outward = R_WS * Vector3d(pin.x(), 0.0, pin.z()) / radius;
-  touch_side(m, pin.y(), radius, outward, R_WS.col(1), relative_velocity(m, work), work);
-}
-
-/// The pin at one ring of teeth: tooth surfaces and base circle.
-void meet_ring(const PinMeeting& m, double stiffness, const Matrix3d& R_WS, const Vector3d& sprocket_from_base,
-               Workspace& work) {
-  const CompiledSprocket& sprocket = m.track.sprocket;
-  const Vector3d pin = R_WS.transpose() * (m.pin_from_base_W - sprocket_from_base);  // gap 0 along its x
-  const double radius = std::hypot(pin.x(), pin.z());
-  if (radius > sprocket.tip_radius + sprocket.pin_radius) return;
-  const double step = 2.0 * k_pi / sprocket.teeth, angle = std::atan2(pin.z(), pin.x());
-  const double gap = step * std::round(angle / step), within = angle - gap;
-  const Vector3d radial(std::cos(gap), 0.0, std::sin(gap)), tangential(-std::sin(gap), 0.0, std::cos(gap));
-  const Vector3d relative = relative_velocity(m, work);
-
-  const ToothContact tooth = touch_tooth(sprocket, radius * std::cos(within), radius * std::sin(within));
-  if (tooth.penetration > 0.0) {
-    const Vector3d normal = R_WS * (tooth.normal_x * radial + tooth.normal_y * tangential);
-    touch_with(m, sprocket.contact, stiffness, tooth.penetration, normal, relative, work);
-    ++work.case_count[static_cast<std::size_t>(tooth.where)];
+  const Lanes3 velocity = relative_velocity(wheel, pins, state, work);
+  PinForce pushed;
+  touch_surface(wheel, tooth_depth, tooth.normal_x * gap.x - tooth.normal_y * gap.z,
+                tooth.normal_x * gap.z + tooth.normal_y * gap.x, velocity, pushed, sums);
+  if (on_base != 0) {
+    touch_surface(wheel, base_depth, pins.place.x / pins.radius, pins.place.z / pins.radius, velocity, pushed, sums);
   }
-  const double base_depth = sprocket.pin_radius + sprocket.base_radius - radius;
-  if (base_depth > 0.0) {
-    const Vector3d outward = R_WS * Vector3d(pin.x(), 0.0, pin.z()) / radius;
-    touch_with(m, sprocket.contact, stiffness, base_depth, outward, relative, work);
-    ++work.case_count[static_cast<std::size_t>(ContactCase::sprocket_base)];
-  }
-}
-
-/// The bodies that bear the pin behind link i, at its middle; returns their number.
-std::size_t find_bearers(const CompiledTrack& track, const State& state, const Workspace& work, int i,
-                         std::array<PinBearer, 2>& bearers) {
-  const int before = i == track.offset ? i + track.num_links - 1 : i - 1;
-  if (track.joint == JointForm::connector_bodies) {
-    bearers[0] = {view_link(state, work, before - track.offset + track.connector_offset), Vector3d::Zero()};
-    return 1;
-  }
-  bearers[0].body = view_link(state, work, i);
-  bearers[0].from_body_W = -track.groove * bearers[0].body.rotation.col(0);
-  if (track.joint == JointForm::single_pin) return 1;
-  bearers[1].body = view_link(state, work, before);
-  bearers[1].from_body_W = track.groove * bearers[1].body.rotation.col(0);
-  return 2;
+  push_pins(wheel, pins, pushed, work);
+  const unsigned on_tip = bits_of(tooth.on_tip), braking = bits_of(less(y, zero));
+  count_case(work, ContactCase::sprocket_top, on_tooth & on_tip);
+  count_case(work, ContactCase::sprocket_flank_braking, on_tooth & ~on_tip & braking);
+  count_case(work, ContactCase::sprocket_flank_driving, on_tooth & ~on_tip & ~braking);
+  count_case(work, ContactCase::sprocket_base, on_base);
 }
 
 }  // namespace
 
-ToothContact touch_tooth(const CompiledSprocket& sprocket, double x, double y) {
-  const double sign = y < 0.0 ? -1.0 : 1.0, height = std::abs(y), from_seat = x - sprocket.seat_center;
-  const double along = from_seat * sprocket.flank_cos + height * sprocket.flank_sin;
-  const double corner =
-      (sprocket.corner_x - sprocket.seat_center) * sprocket.flank_cos + sprocket.corner_y * sprocket.flank_sin;
-  const double radius = std::hypot(x, y), pin = sprocket.pin_radius;
-  ToothContact contact;
-  contact.where = sign > 0.0 ? ContactCase::sprocket_flank_driving : ContactCase::sprocket_flank_braking;
-  if (along <= 0.0) {  // root fillet
-    const double from_center = std::hypot(from_seat, height);
-    if (from_center < 1e-12) return contact;
-    contact.penetration = from_center + pin - sprocket.seat_radius;
-    contact.normal_x = -from_seat / from_center;
-    contact.normal_y = -height / from_center;
-  } else if (along < corner &&
-             radius < sprocket.tip_radius + 0.5 * pin) {  // straight flank, or the tip where that is nearer
-    contact.penetration = pin - sprocket.seat_radius - from_seat * sprocket.flank_sin + height * sprocket.flank_cos;
-    contact.normal_x = sprocket.flank_sin;
-    contact.normal_y = -sprocket.flank_cos;
-    const double tip = pin - (radius - sprocket.tip_radius);
-    if (tip < contact.penetration && height > sprocket.corner_y) {
-      contact = {tip, x / radius, height / radius, ContactCase::sprocket_top};
-    }
-  } else if (std::atan2(height, x) > std::atan2(sprocket.corner_y, sprocket.corner_x)) {  // tip circle
-    contact = {pin - (radius - sprocket.tip_radius), x / radius, height / radius, ContactCase::sprocket_top};
-  } else {  // corner between flank and tip
-    const double dx = x - sprocket.corner_x, dy = height - sprocket.corner_y, distance = std::hypot(dx, dy);
-    contact = {pin - distance, dx / distance, dy / distance, ContactCase::sprocket_top};
-  }
-  contact.normal_y *= sign;
-  return contact;
+ToothContact touch_tooth(const CompiledSprocket& sprocket, const Lanes& x, const Lanes& y) {
+  const Lanes zero = Lanes::Zero(), height = y.abs(), from_seat = x - sprocket.seat_center;
+  const Lanes radius = (x * x + y * y).sqrt(), above_tip = radius - sprocket.tip_radius;
+  const double pin = sprocket.pin_radius, sine = sprocket.flank_sin, cosine = sprocket.flank_cos;
+  // The flank's direction; the fillet ends where this is 0, the flank at the corner.
+  const Lanes along = from_seat * cosine + height * sine;
+  const double corner = (sprocket.corner_x - sprocket.seat_center) * cosine + sprocket.corner_y * sine;
+  const LaneMask before_corner = less(along, Lanes::Constant(corner)) & less(above_tip, Lanes::Constant(0.5 * pin));
+
+  const Lanes from_center = (from_seat * from_seat + height * height).sqrt().max(1e-12);
+  const Lanes fillet_depth = from_center + (pin - sprocket.seat_radius);
+  const Lanes flank_depth = (pin - sprocket.seat_radius) - from_seat * sine + height * cosine;
+  const Lanes tip_depth = pin - above_tip;
+  const Lanes dx = x - sprocket.corner_x, dy = height - sprocket.corner_y, distance = (dx * dx + dy * dy).sqrt();
+
+  const LaneMask in_fillet = less_equal(along, zero);
+  const LaneMask tip_is_nearer = less(tip_depth, flank_depth) & less(Lanes::Constant(sprocket.corner_y), height);
+  const LaneMask on_flank = before_corner & !tip_is_nearer;
+  const LaneMask beyond_corner = less(x * sprocket.corner_y, height * sprocket.corner_x);  // as seen from the axle
+  const LaneMask on_circle = before_corner | beyond_corner;                                // unless on the flank
+
+  const Lanes inverse_radius = radius.inverse(), inverse_distance = distance.max(1e-12).inverse();
+  const auto pick = [&](const Lanes& fillet, const Lanes& flank, const Lanes& circle, const Lanes& at_corner) {
+    return choose(in_fillet, fillet, choose(on_flank, flank, choose(on_circle, circle, at_corner)));
+  };
+  const Lanes normal_y =
+      pick(-height / from_center, Lanes::Constant(-cosine), height * inverse_radius, dy * inverse_distance);
+  return {pick(fillet_depth, flank_depth, tip_depth, pin - distance),
+          pick(-from_seat / from_center, Lanes::Constant(sine), x * inverse_radius, dx * inverse_distance),
+          choose(less(y, zero), -normal_y, normal_y), !(in_fillet | on_flank)};
 }
 
 void sprocket_contacts(const System& system, const AssemblyKnobs& knobs, const State& state, Workspace& work) {
   for (const CompiledTrack& track : system.tracks) {
     const CompiledSprocket& sprocket = track.sprocket;
     const auto body = static_cast<std::size_t>(sprocket.body);
-    const Vector3d from_base = work.chassis.origin_W[body];
-    const Vector3d center = state.chassis.position + from_base;
+    const Wheel wheel{track,
+                      knobs.stiffness_scale * sprocket.contact.stiffness,
+                      work.chassis.origin_W[body],
+                      work.chassis.rotation[body],
+                      work.chassis.velocity[body].tail<3>(),
+                      work.chassis.velocity[body].head<3>()};
+    const LinkBodies &links = track.bodies.front(), &connectors = track.bodies.back();
+    const std::array<Bearer, 2> shoes{Bearer{links, 1, -track.groove, 0.5}, Bearer{links, 0, track.groove, 0.5}};
+    const std::array<Bearer, 1> link{Bearer{links, 1, -track.groove, 1.0}};
+    const std::array<Bearer, 1> connector{Bearer{connectors, connectors.offset - track.offset, 0.0, 1.0}};
+    const std::span<const Bearer> bearers = track.joint == JointForm::single_pin   ? std::span<const Bearer>(link)
+                                            : track.joint == JointForm::double_pin ? std::span<const Bearer>(shoes)
+                                                                                   : connector;
     const double reach = sprocket.tip_radius + sprocket.pin_radius + 0.5 * track.pitch + 0.05;
-    const double stiffness = knobs.stiffness_scale * sprocket.contact.stiffness;
-    for_links_within(track, state, center, reach, [&](int first, const LaneMask& near) {
-      for (unsigned left = bits_of(near); left != 0; left &= left - 1) {
-        std::array<PinBearer, 2> middle, points;
-        const std::size_t count = find_bearers(track, state, work, first + std::countr_zero(left), middle);
-        const auto meeting = [&](double lateral) {
-          points = middle;
-          Vector3d pin = Vector3d::Zero();
-          for (PinBearer& bearer : std::span(points.data(), count)) {
-            bearer.from_body_W += lateral * bearer.body.rotation.col(1);
-            pin += (bearer.body.position - state.chassis.position) + bearer.from_body_W;
-          }
-          return PinMeeting{track, {points.data(), count}, pin / static_cast<double>(count)};
-        };
-        const Matrix3d& R_WS = work.chassis.rotation[body];
-        const double outwards = track.lateral * sprocket.ring_offset;
-        for (const double ring : {-outwards, outwards}) meet_ring(meeting(ring), stiffness, R_WS, from_base, work);
-        meet_sides(meeting(0.0), R_WS, from_base, work);
-      }
-    });
+    const double outwards = track.lateral * sprocket.ring_offset;
+    Sums sums;
+    for_links_within(
+        track, state, state.chassis.position + wheel.center_W, reach, 1, [&](int first, const LaneMask& near) {
+          const auto pins = [&](double aside) { return place_pins(wheel, bearers, state, work, first, near, aside); };
+          for (const double ring : {-outwards, outwards}) meet_ring(wheel, pins(ring), state, sums, work);
+          meet_sides(wheel, pins(0.0), state, sums, work);
+        });
+    close_seam(track, work);
+    work.energy.contact += sums.energy.sum();
+    work.energy.contact_power += sums.contact_power.sum();
+    work.energy.friction_power += sums.friction_power.sum();
   }
 }
 

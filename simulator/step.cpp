@@ -143,11 +143,12 @@ int wildest_link(const System& system, const Acceleration& acceleration) {
 }
 
 bool finite(const Acceleration& acceleration) {
-  double sum =
-      acceleration.chassis.linear.sum() + acceleration.chassis.angular.sum() + acceleration.chassis.joint.sum();
-  for (const double a : acceleration.linear.data()) sum += a;
-  for (const double a : acceleration.angular.data()) sum += a;
-  return std::isfinite(sum);
+  const auto sum = [](const std::vector<double>& values) {  // in packets: one after the other they would wait
+    return Eigen::Map<const Eigen::ArrayXd>(values.data(), static_cast<Eigen::Index>(values.size())).sum();
+  };
+  const TreeAcceleration& chassis = acceleration.chassis;
+  return std::isfinite(chassis.linear.sum() + chassis.angular.sum() + chassis.joint.sum() +
+                       sum(acceleration.linear.data()) + sum(acceleration.angular.data()));
 }
 
 }  // namespace

@@ -11,17 +11,17 @@
 /// Everything that does not change during a run, compiled from Vehicle + Bushing + Scenario.
 namespace grouser {
 
-/// Spring curve with a uniform table of intervals, so that a lookup costs the same for any knots.
+/// One piece of a spring curve: force = c0 + u (c1 + u (c2 + u c3)) with u from its beginning.
+struct SpringPiece {
+  double begin = 0.0;
+  std::array<double, 4> cubic{};
+  double energy = 0.0;  ///< stored at its beginning, zero at displacement 0 [J]
+};
+
+/// Spring curve. The first piece holds below its beginning too and the last one for ever, for the ends are straight.
 struct CompiledSpring {
-  bool odd = false;              ///< f(-x) = -f(x): the pieces cover x >= 0 and the sign is carried, exact in a mirror
-  double low = 0.0, high = 0.0;  ///< first and last knot
-  double cells_per_unit = 0.0;
-  std::vector<int> cell_interval;            ///< first interval that may hold a displacement of the cell
-  std::vector<double> knot;                  ///< interval starts and the last knot
-  std::vector<std::array<double, 4>> cubic;  ///< force = c0 + u (c1 + u (c2 + u c3)), u from the interval's start
-  std::vector<double> energy;                ///< stored energy at the interval's start, zero at displacement 0
-  double low_slope = 0.0, high_slope = 0.0;
-  double high_force = 0.0, high_energy = 0.0;
+  bool odd = false;  ///< f(-x) = -f(x): the pieces cover x >= 0 and the sign is carried, exact in a mirror
+  std::vector<SpringPiece> pieces;  ///< in the order of their beginnings
 };
 
 /// One bushing axis as the step uses it (model/bushing_law.h).

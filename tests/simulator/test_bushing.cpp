@@ -150,16 +150,6 @@ TEST(Bushing, FollowsTheLawOfTheBushingFileOnEveryAxis) {
   }
 }
 
-TEST(Bushing, SpringTableHoldsEveryDisplacementUpToItsLastKnot) {
-  std::mt19937 random(8);
-  std::uniform_real_distribution<double> unit(1e-4, 1.0);
-  for (int n = 0; n < 1000; ++n) {
-    const CompiledSpring spring = compile_spring(SpringSpline::linear(1e8, unit(random)));
-    const double last = std::nextafter(spring.high, spring.low);
-    ASSERT_LT(static_cast<std::size_t>((last - spring.low) * spring.cells_per_unit), spring.cell_interval.size());
-  }
-}
-
 TEST(Bushing, HingeTurnsTo170DegreesWithoutAJump) {
   Pair pair(elastic_bushing());
   const double half = 0.5 * pair.system.tracks[0].pitch;

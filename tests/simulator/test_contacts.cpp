@@ -11,6 +11,20 @@ namespace {
 
 Quaterniond roll(double angle) { return Quaterniond(Eigen::AngleAxisd(angle, Vector3d::UnitX())); }
 
+TEST(LaneMask, SaysYesLaneByLane) {
+  Lanes x, y;
+  for (int lane = 0; lane < k_lanes; ++lane) x[lane] = lane, y[lane] = 7 - lane;
+  EXPECT_EQ(bits_of(less(x, y)), 0b00001111u);
+  EXPECT_EQ(bits_of(less_equal(x, Lanes::Constant(4.0))), 0b00011111u);
+  EXPECT_EQ(bits_of((!less(x, y)) & LaneMask::first(6)), 0b00110000u);
+  EXPECT_EQ(bits_of(less(x, y) | LaneMask::first(6)), 0b00111111u);
+  EXPECT_EQ(bits_of(LaneMask::first(0)), 0u);
+  EXPECT_EQ(bits_of(LaneMask::first(76)), 0b11111111u);
+  const Lanes larger = choose(less(x, y), y, x);
+  EXPECT_EQ((larger - x.max(y)).abs().maxCoeff(), 0.0);
+  EXPECT_EQ(bits_of(less(Lanes::Constant(std::nan("")), x)), 0u);  // what is not a number is not less
+}
+
 TEST(ContactLaw, RateCoefficientGivesTheAskedRestitution) {
   // a v over the restitution (D 5.1), inverted; five digits of the table.
   const double table[][2] = {{0.01, 0.99338}, {0.1, 0.93748}, {0.2, 0.88219}, {0.5, 0.74843},
@@ -143,7 +157,8 @@ TEST(SprocketContacts, PenetrationIsContinuousRoundTheTooth) {
   constexpr double k_step = 5e-5;  // m
   const double half_step = k_pi / sprocket.teeth, highest = sprocket.tip_radius + sprocket.pin_radius + 0.002;
   const auto depth = [&](double radius, double angle) {
-    return std::max(0.0, touch_tooth(sprocket, radius * std::cos(angle), radius * std::sin(angle)).penetration);
+    const Lanes x = Lanes::Constant(radius * std::cos(angle)), y = Lanes::Constant(radius * std::sin(angle));
+    return std::max(0.0, touch_tooth(sprocket, x, y).penetration[0]);
   };
   double worst = 0.0, at_radius = 0.0, at_angle = 0.0;
   for (double radius = sprocket.pitch_radius - 0.004; radius < highest; radius += k_step) {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <thread>
 
 #include "tests/support/vehicle_scene.h"
 
@@ -48,6 +49,34 @@ TEST(DrivenVehicle, ReachesTheDriversSpeedAndHoldsIt) {
   EXPECT_NEAR(speed(system, late.state), 1.5, 0.1);
   const double way = (late.state.chassis.position - early.state.chassis.position).x();
   EXPECT_NEAR(way / 1.5, 1.0, 0.03);  // in a second; tracks run up to 1 % ahead of their sprockets
+}
+
+TEST(DrivenVehicle, RunsTheSameBesideOthersInAnyNumberOfThreads) {
+  constexpr std::size_t k_vehicles = 4;
+  const State& rest = reference_scene().rest.state;
+  const auto run_all = [&](std::size_t num_threads) {
+    std::vector<ShortRun> runs(k_vehicles);
+    std::vector<std::thread> threads;
+    for (std::size_t t = 0; t < num_threads; ++t) {
+      threads.emplace_back([&, t] {
+        for (std::size_t v = t; v < k_vehicles; v += num_threads) {
+          runs[v] = run_for(driven(9.0, 3.0 * static_cast<double>(v)), rest, 0.05);
+        }
+      });
+    }
+    for (std::thread& thread : threads) thread.join();
+    return runs;
+  };
+  const std::vector<ShortRun> alone = run_all(1);
+  for (const std::size_t num_threads : {2, 4}) {
+    const std::vector<ShortRun> beside = run_all(num_threads);
+    for (std::size_t v = 0; v < k_vehicles; ++v) {
+      EXPECT_EQ(alone[v].steps, beside[v].steps);
+      EXPECT_EQ(alone[v].state.position.data(), beside[v].state.position.data());
+      EXPECT_EQ(alone[v].acceleration.angular.data(), beside[v].acceleration.angular.data());
+      EXPECT_EQ(alone[v].book.residual(), beside[v].book.residual());
+    }
+  }
 }
 
 }  // namespace

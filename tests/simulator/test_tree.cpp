@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
+#include "simulator/lane_trigonometry.h"
 #include "tests/support/tree_references.h"
 
 namespace grouser::test {
@@ -161,6 +163,22 @@ TEST(Tree, TurningAndMovingTheWorldChangesNothingInside) {
   EXPECT_LT((b.linear - turn * a.linear).norm(), 1e-10);
   EXPECT_LT((b.angular - a.angular).norm(), 1e-10);
   expect_near(b.joint, a.joint, 1e-10);
+}
+
+TEST(LaneTrigonometry, HoldsAfterManyTurns) {
+  std::mt19937 random(3);
+  for (const double largest : {1.0, 1e3, 9e5}) {  // the last: a wheel's angle after an hour at 250 rad/s
+    std::uniform_real_distribution<double> angle(-largest, largest);
+    for (int n = 0; n < 1000; ++n) {
+      Lanes x;
+      for (double& of_lane : x) of_lane = angle(random);
+      const SineCosine found = sine_cosine(x);
+      for (int lane = 0; lane < k_lanes; ++lane) {
+        ASSERT_NEAR(found.sine[lane], std::sin(x[lane]), 4.5e-16) << x[lane];  // 2 ulp of 1
+        ASSERT_NEAR(found.cosine[lane], std::cos(x[lane]), 4.5e-16) << x[lane];
+      }
+    }
+  }
 }
 
 }  // namespace
