@@ -38,7 +38,7 @@ TEST(FormatsPage, ShowsOnlyExamplesThatAreRead) {
     EXPECT_THAT(check_file(folder.write("docs/example.json", example)), testing::StartsWith("ok: ")) << example;
     ++examples;
   }
-  EXPECT_EQ(examples, 3);
+  EXPECT_EQ(examples, 4);
 }
 
 TEST(ReferenceVehicle, KeepsItsPictureClearOfTheTracks) {
