@@ -111,18 +111,27 @@ struct YieldScales {
 template <typename Scale>
 void add_stops(const AxisStep& step, const Lanes& dx, const YieldScales<Scale>& scales, AxisForce& sum,
                ElementEnergy& energy) {
-  for (std::size_t s = 0; s < step.axis.stops.size(); ++s) {
-    const int row = step.axis.first_stop + static_cast<int>(s);
-    const double k = step.axis.stops[s].stiffness, yield = step.axis.stops[s].yield;
-    const Scale yield_before = yield * scales.before, yield_after = yield * scales.after;
-    const Lanes old = load(step.before.stop[row] + step.joint);
-    const Lanes moved = advance_stop(old, dx, yield_after);
-    store(step.after.stop[row] + step.joint, moved);
-    sum.force += k * moved;
-    sum.stiffness += k;
-    energy.stored += 0.5 * k * moved.square();
-    energy.step_loss += stop_dissipation(k, old, moved, dx, yield_before, yield_after);
+  if (step.axis.stops.empty()) return;
+  const double* before = step.before.stop[step.axis.first_stop] + step.joint;
+  double* after = step.after.stop[step.axis.first_stop] + step.joint;
+  Lanes force = Lanes::Zero(), stored = force, lost = force;  // of their own: a store may not touch them
+  double stiffness = 0.0;
+  for (const FrictionStop& stop : step.axis.stops) {
+    const double k = stop.stiffness;
+    const Scale yield_before = stop.yield * scales.before, yield_after = stop.yield * scales.after;
+    const Lanes old = load(before), moved = advance_stop(old, dx, yield_after);
+    store(after, moved);
+    force += k * moved;
+    stiffness += k;
+    stored += (0.5 * k) * moved.square();
+    lost += stop_dissipation(k, old, moved, dx, yield_before, yield_after);
+    before += step.before.stop.length();
+    after += step.after.stop.length();
   }
+  sum.force += force;
+  sum.stiffness += stiffness;
+  energy.stored += stored;
+  energy.step_loss += lost;
 }
 
 /// Stops whose yields grow with the displacement: no stiffer than k, for a stop never rises faster than x. Out of line,
@@ -134,17 +143,25 @@ void add_stops(const AxisStep& step, const Lanes& dx, const YieldScales<Scale>& 
 }
 
 void add_branches(const AxisStep& step, const Lanes& dx, AxisForce& sum, ElementEnergy& energy) {
-  for (std::size_t m = 0; m < step.axis.branches.size(); ++m) {
-    const int row = step.axis.first_branch + static_cast<int>(m);
-    const MaxwellStep& constants = step.branch_step[m];
-    const Lanes old = load(step.before.branch[row] + step.joint);
-    const Lanes moved = constants.decay * old + constants.gain * dx;
-    store(step.after.branch[row] + step.joint, moved);
-    sum.force += moved;
-    sum.stiffness += constants.gain;
-    energy.stored += constants.compliance * moved.square();
-    if (step.h > 0.0) energy.step_loss += maxwell_dissipation(constants, old, moved, dx);
+  if (step.axis.branches.empty()) return;
+  const double* before = step.before.branch[step.axis.first_branch] + step.joint;
+  double* after = step.after.branch[step.axis.first_branch] + step.joint;
+  Lanes force = Lanes::Zero(), stored = force, lost = force;
+  double stiffness = 0.0;
+  for (const MaxwellStep& branch : step.branch_step) {
+    const Lanes old = load(before), moved = branch.decay * old + branch.gain * dx;
+    store(after, moved);
+    force += moved;
+    stiffness += branch.gain;
+    stored += branch.compliance * moved.square();
+    lost += maxwell_dissipation(branch, old, moved, dx);
+    before += step.before.branch.length();
+    after += step.after.branch.length();
   }
+  sum.force += force;
+  sum.stiffness += stiffness;
+  energy.stored += stored;
+  if (step.h > 0.0) energy.step_loss += lost;
 }
 
 /// Restoring force of one axis for eight joints, its memory moved on by the step.
