@@ -13,8 +13,8 @@ namespace {
 
 /// A chunk holds this many rows: wide rows (all links) few, narrow rows (one accepted step) many.
 std::size_t rows_per_chunk(const ChannelTable& table) {
-  constexpr std::size_t values_aimed_at = 1 << 18;
-  return std::clamp<std::size_t>(values_aimed_at / std::max<std::size_t>(table.row_size(), 1), 64, 1024);
+  constexpr std::size_t values_aimed_at = 1 << 17;
+  return std::clamp<std::size_t>(values_aimed_at / std::max<std::size_t>(table.row_size(), 1), 16, 1024);
 }
 
 Hdf5Handle string_type() {
