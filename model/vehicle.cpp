@@ -73,6 +73,9 @@ Hydropneumatic read_hydropneumatic(ObjectReader& r) {
   unit.gas_volume = r.quantity("gas_volume", d::volume, Range::positive);
   unit.gas_pressure = r.quantity("gas_pressure", d::pressure, Range::positive);
   unit.polytropic_exponent = r.number_or("polytropic_exponent", unit.polytropic_exponent, Range::positive);
+  unit.gas_charge_temperature =
+      r.quantity_or("gas_charge_temperature", d::temperature, unit.gas_charge_temperature, Range::positive);
+  unit.gas_temperature = r.quantity_or("gas_temperature", d::temperature, unit.gas_charge_temperature, Range::positive);
   unit.orifice_area = r.quantity("orifice_area", d::area, Range::positive);
   unit.oil_density = r.quantity_or("oil_density", d::density, unit.oil_density, Range::positive);
   unit.blow_off_pressure = r.quantity("blow_off_pressure", d::pressure, Range::positive);

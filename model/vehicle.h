@@ -57,11 +57,13 @@ struct Hydropneumatic {
   double gas_volume = 0.0;    ///< m^3 at the design arm angle
   double gas_pressure = 0.0;  ///< Pa absolute at the design arm angle
   double polytropic_exponent = 1.3;
-  double orifice_area = 0.0;       ///< m^2, discharge coefficient included
-  double oil_density = 870.0;      ///< kg/m^3
-  double blow_off_pressure = 0.0;  ///< Pa across the orifice
-  double blow_off_area = 0.0;      ///< m^2 per Pa above it, discharge coefficient included
-  double linear_damping = 0.0;     ///< N m s/rad (seals, bleed)
+  double gas_charge_temperature = 293.15;  ///< K, at which volume and pressure are given
+  double gas_temperature = 293.15;         ///< K, of the gas at rest in this run
+  double orifice_area = 0.0;               ///< m^2, discharge coefficient included
+  double oil_density = 870.0;              ///< kg/m^3
+  double blow_off_pressure = 0.0;          ///< Pa across the orifice
+  double blow_off_area = 0.0;              ///< m^2 per Pa above it, discharge coefficient included
+  double linear_damping = 0.0;             ///< N m s/rad (seals, bleed)
 };
 
 /// One suspension station: trailing (or leading) arm with its wheel.

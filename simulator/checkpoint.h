@@ -194,9 +194,15 @@ void archive(Archive& a, Assembled& assembled) {
 }
 
 template <typename Archive>
+void archive(Archive& a, SlackSpan& slack) {
+  auto& [time, given_way] = slack;
+  a(time, given_way);
+}
+
+template <typename Archive>
 void archive(Archive& a, RunSeries::StepSum& sum) {
-  auto& [time, count] = sum;
-  a(time, count);
+  auto& [time, count, by_error, by_stability] = sum;
+  a(time, count, by_error, by_stability);
 }
 
 template <typename Archive>
@@ -215,9 +221,9 @@ void archive(Archive& a, RubberLoads& loads) {
 template <typename Archive>
 void archive(Archive& a, RunSeries& series) {
   auto& [time, x, y, yaw, speed, yaw_rate, ground_force, upper_tension, probe_time, probe_torque, rest_steps,
-         steady_steps, rubber, largest_guide_offset, skipped_teeth, case_total] = series;
+         steady_steps, rubber, largest_guide_offset, skipped_teeth, slack, case_total] = series;
   a(time, x, y, yaw, speed, yaw_rate, ground_force, upper_tension, probe_time, probe_torque, rest_steps, steady_steps,
-    rubber, largest_guide_offset, skipped_teeth, case_total);
+    rubber, largest_guide_offset, skipped_teeth, slack, case_total);
 }
 
 }  // namespace grouser

@@ -6,8 +6,8 @@
 namespace grouser {
 
 double EnergyBook::residual_fraction() const {
-  const double scale = absolute_input > 0.0 ? absolute_input : dissipated();
-  return std::abs(residual()) / std::max(scale, 1.0);  // J; a parked vehicle turns over next to nothing
+  constexpr double k_no_rubber = 1.0;  // J, for tracks without strain
+  return std::abs(residual()) / std::max({absolute_input, dissipated(), start.bushing, k_no_rubber});
 }
 
 EnergyBook open_book(const EnergyTerms& terms) {

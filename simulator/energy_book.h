@@ -17,7 +17,9 @@ struct EnergyBook {
     return bushing_loss + contact_loss + friction_loss + ground_loss + suspension_loss + tensioner_loss;
   }
   [[nodiscard]] double residual() const { return now.stored() - start.stored() + dissipated() - input; }
-  /// Of the integral of |sprocket power|; of the lost energy where nothing was driven.
+  /// |residual| of the integral of |sprocket power|. Where that is small, of the energy that was lost (a vehicle that
+  /// coasts downhill is driven by nobody), and at least of the strain energy in the tracks' rubber at the start: a
+  /// thousandth of it moves no tension by more than 0.05 %, and a vehicle at rest turns over nothing to compare with.
   [[nodiscard]] double residual_fraction() const;
 };
 

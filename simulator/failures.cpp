@@ -11,6 +11,8 @@ const char* quantity(StepStatus status) {
       return "it turned by more than half a radian in one step: the run diverged";
     case StepStatus::underflow:
       return "its local error asks for a step below integrator.min_step: step underflow";
+    case StepStatus::bottomed:
+      return "its gas unit bottomed, the gas is pressed to nothing (charge, bump stop, speed over the obstacle)";
     default:
       return "the acceleration is no longer finite: the run diverged";
   }

@@ -203,6 +203,13 @@ LaneMask links_near(const GroundSurface& ground, const CompiledTrack& track, int
          LaneMask::first(track.offset + track.num_links - first);
 }
 
+/// Of the places of one point on eight links: the edge of a zone may lie under a link.
+Lanes friction_at(const GroundSurface& ground, const Lanes3& place) {
+  Lanes friction;
+  for (int lane = 0; lane < k_lanes; ++lane) friction[lane] = ground.friction(place.x[lane], place.y[lane]);
+  return friction;
+}
+
 /// Eight links in a row on all their points.
 void meet_ground(const GroundSurface& ground, const CompiledTrack& track, int first, double h, const History& before,
                  State& state, Sums& sums, Workspace& work) {
@@ -210,24 +217,23 @@ void meet_ground(const GroundSurface& ground, const CompiledTrack& track, int fi
   if (bits_of(near) == 0) return;
   const Lanes3 position = load3(state.position, first), velocity = load3(state.velocity, first);
   const Lanes3 turn = load3(work.angular_velocity_W, first);
-  Lanes friction;
-  for (int lane = 0; lane < k_lanes; ++lane) friction[lane] = ground.friction(position.x[lane], position.y[lane]);
   const int num_points = static_cast<int>(track.ground_points.size());
   LinkLoads load_W;
   for (int p = 0; p < num_points; ++p) {
     const Vector3d& place_L = track.ground_points[static_cast<std::size_t>(p)];
     const Lanes3 arm = to_world(work, first, in_all_lanes(place_L));
-    GroundPoint point{track, h, p, first, friction, place_L, arm, position + arm, velocity + cross(turn, arm)};
+    const Lanes3 at = position + arm;
+    GroundPoint point{track, h, p, first, friction_at(ground, at), place_L, arm, at, velocity + cross(turn, arm)};
     if (ground.level()) {
       const Lanes depth = choose(near, -point.point.z, Lanes::Zero()).max(0.0);
       press(point, LevelFrame{}, depth, before, state.history, load_W, sums, work);
       continue;
     }
-    const auto on_surface = [&](const Vector3d& at) { return touch_surface(ground, at); };
+    const auto on_surface = [&](const Vector3d& place) { return touch_surface(ground, place); };
     press_uneven(point, near, on_surface, before, state.history, load_W, sums, work);
     if (ground.half_rounds().empty()) continue;
     point.row += num_points;
-    const auto on_half_rounds = [&](const Vector3d& at) { return touch_half_rounds(ground, at); };
+    const auto on_half_rounds = [&](const Vector3d& place) { return touch_half_rounds(ground, place); };
     press_uneven(point, near, on_half_rounds, before, state.history, load_W, sums, work);
   }
   push_links(work, first, load_W, Partner::ground);

@@ -109,7 +109,19 @@ void straight_results(const System& system, const RunSeries& series, const Inter
   }
 }
 
-void whole_straight_run(const System& system, const RunSeries& series, Sheet& sheet) {
+/// The left side stands as the mirror image of the right one, to the last bit: every difference in mass, stiffness or
+/// geometry would show in where six seconds of settling end. Tracks of different lengths pull a vehicle aside.
+bool stands_symmetric(const System& system, const State& rest) {
+  const CompiledTrack &left = system.tracks[0], &right = system.tracks[1];
+  if (left.num_links != right.num_links) return false;
+  const auto same = [&](int component, double sign) {
+    const double *a = rest.position[component] + left.offset, *b = rest.position[component] + right.offset;
+    return std::equal(a, a + left.num_links, b, [sign](double l, double r) { return l == sign * r; });
+  };
+  return same(0, 1.0) && same(1, -1.0) && same(2, 1.0);
+}
+
+void whole_straight_run(const System& system, const RunSeries& series, bool symmetric, Sheet& sheet) {
   const Scenario& scenario = system.scenario;
   const double turned = drive_motion(scenario.drive[0], scenario.duration).angle;
   const double ideal = turned * system.tracks[0].speed_per_sprocket_rate;
@@ -120,7 +132,7 @@ void whole_straight_run(const System& system, const RunSeries& series, Sheet& sh
   double drift = 0.0;
   for (const double y : series.y) drift = std::max(drift, std::abs(y - series.y.front()));
   sheet.result("lateral_drift_m", drift, "m", "largest |y| of the chassis origin");
-  sheet.check("Lateral drift", drift, "m", "under 0.02 m", drift < 0.02);
+  if (symmetric) sheet.check("Lateral drift", drift, "m", "under 0.02 m", drift < 0.02);
 }
 
 bool never_driven(const Scenario& scenario) {
@@ -165,7 +177,8 @@ void step_results(const RunSeries& series, double speed, Sheet& sheet) {
   sheet.result("rest_mean_step_s", series.rest_steps.mean(), "s", "mean step while the sprockets are nearly still");
   sheet.result("steady_mean_step_s", series.steady_steps.mean(), "s", "mean step while the sprockets hold their speed");
   const double ratio = series.steady_steps.mean() / series.rest_steps.mean();
-  if (std::abs(speed) < k_brisk) return;
+  // Where stability bounds the steps they follow stiffness and friction, not the speed (P 3).
+  if (std::abs(speed) < k_brisk || series.steady_steps.by_error <= series.steady_steps.by_stability) return;
   sheet.check("Mean step at speed over mean step at rest", ratio, "1", "under 1 (the paper's observation)",
               ratio < 1.0);
 }
@@ -189,6 +202,14 @@ void track_results(const RunSeries& series, Sheet& sheet) {
   double skipped = 0.0;
   for (const double teeth : series.skipped_teeth) skipped = std::abs(teeth) > std::abs(skipped) ? teeth : skipped;
   sheet.result("skipped_teeth", skipped, "1", "links passed at the sprocket less teeth, worse side");
+  for (const Side side : {Side::left, Side::right}) {
+    const SlackSpan& slack = series.slack[static_cast<std::size_t>(index_of(side))];
+    if (slack.time < 0.0) continue;
+    sheet.result(fmt::format("{}_first_slack_time_s", name_of(side)), slack.time, "s",
+                 "the span between sprocket and next road wheel first carries nothing: pins may climb the teeth");
+    sheet.result(fmt::format("{}_first_slack_given_way_m", name_of(side)), slack.given_way, "m",
+                 "of track, by which the idler had given way then");
+  }
   sheet.check("Skipped teeth", skipped, "1", "under 0.5", std::abs(skipped) < 0.5);
   sheet.check("Track stays on: lateral offset in the guide", series.largest_guide_offset, "m",
               fmt::format("under {} m", k_thrown_offset), series.largest_guide_offset < k_thrown_offset);
@@ -272,7 +293,7 @@ void add_results(const System& system, const Assembled& assembled, const RunSeri
       if (always_straight(system)) {
         straight_results(system, series, *steady, sheet);
         if (system.ground.level() && scenario.drive[0].kind == DriveKind::speed)
-          whole_straight_run(system, series, sheet);
+          whole_straight_run(system, series, stands_symmetric(system, assembled.state), sheet);
       } else if (!feeds_alike(system, 0.5 * (steady->from + steady->to))) {
         turn_results(system, series, *steady, sheet);
       }

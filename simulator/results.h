@@ -7,6 +7,7 @@
 #include "simulator/assembly.h"
 #include "simulator/energy_book.h"
 #include "simulator/rubber_watch.h"
+#include "simulator/track_watch.h"
 
 namespace grouser {
 
@@ -20,12 +21,19 @@ struct RunSeries {
   struct StepSum {
     double time = 0.0;
     long count = 0;
+    long by_error = 0, by_stability = 0;  ///< what bounded them
+    void add(double h, StepLimit limit) {
+      time += h, ++count;
+      by_error += limit == StepLimit::error ? 1 : 0;
+      by_stability += limit == StepLimit::stability ? 1 : 0;
+    }
     [[nodiscard]] double mean() const { return count > 0 ? time / static_cast<double>(count) : 0.0; }
   };
   StepSum rest_steps, steady_steps;  ///< sprockets nearly still; holding their speed
   RubberLoads rubber;
   double largest_guide_offset = 0.0;  ///< m
   std::array<double, k_num_sides> skipped_teeth{};
+  std::array<SlackSpan, k_num_sides> slack;
   std::array<double, k_num_contact_cases> case_total{};  ///< summed over samples
 };
 

@@ -10,11 +10,9 @@
 namespace grouser {
 namespace {
 
-constexpr double k_largest_residual = 1e-3;
 constexpr long k_steps_between_reports = 500;
-constexpr long k_steps_between_tooth_counts = 20;  // far less than a tooth at any speed a step can follow
-constexpr double k_flush_period = 0.25;            // s simulated; what a killed run loses at most
-constexpr double k_save_period = 1.0;              // s simulated; what --resume computes again at most
+constexpr double k_flush_period = 0.25;  // s simulated; what a killed run loses at most
+constexpr double k_save_period = 1.0;    // s simulated; what --resume computes again at most
 
 }  // namespace
 
@@ -28,8 +26,8 @@ RunLoop::RunLoop(const System& system, const RunStart& start, const std::filesys
       book_(open_book(stepper_.work().energy)),
       previous_book_(book_),
       recorder_(system, folder / "run.h5", start.kept_rows),
-      counters_{ToothCounter(system, start.assembled.state, Side::left),
-                ToothCounter(system, start.assembled.state, Side::right)} {}
+      track_watch_(system, start.assembled.state),
+      energy_watch_(system, book_) {}
 
 void RunLoop::begin() { recorder_.begin(snapshot()); }
 
@@ -61,7 +59,10 @@ std::vector<double> RunLoop::corners() const {
 RunStatus RunLoop::go(const Progress& progress, RunSummary& summary) {
   for (const double corner : corners()) {
     while (stepper_.state().time < corner) {
-      if (const RunStatus status = advance_to(corner, summary); status != RunStatus::completed) return status;
+      if (const std::optional<std::string> reason = advance_to(corner)) {
+        summary.message = *reason;
+        return RunStatus::failed;
+      }
       if (steps_.accepted % k_steps_between_reports != 0) continue;
       if (!report(progress, summary)) {
         save();
@@ -71,14 +72,14 @@ RunStatus RunLoop::go(const Progress& progress, RunSummary& summary) {
       if (stepper_.state().time >= flushed_ + k_flush_period) flush();
     }
   }
-  if (book_.residual_fraction() >= k_largest_residual) return chatter(summary);
-  summary.message = fmt::format("{:.3f} s simulated", stepper_.state().time) + remarks(system_, recorder_.series());
+  summary.message = fmt::format("{:.3f} s simulated", stepper_.state().time) + remarks(system_, series());
   return RunStatus::completed;
 }
 
-RunStatus RunLoop::advance_to(double until, RunSummary& summary) {
+std::optional<std::string> RunLoop::advance_to(double until) {
   const StepStatus status = stepper_.step(until);
-  if (status != StepStatus::ok) return numerical_failure(status, summary);
+  if (status != StepStatus::ok)
+    return fmt::format("at {:.6f} s, {}", stepper_.state().time, step_failure(system_, stepper_, status));
   previous_book_ = book_;
   book_step(book_, stepper_.work().energy, stepper_.last_step());
   ++steps_.accepted;
@@ -87,36 +88,20 @@ RunStatus RunLoop::advance_to(double until, RunSummary& summary) {
   recorder_.record(
       {stepper_.previous_state(), stepper_.previous_work(), stepper_.previous_acceleration(), previous_book_},
       snapshot(), stepper_);
-  if (steps_.accepted % k_steps_between_tooth_counts == 0) {
-    for (ToothCounter& counter : counters_) counter.update(system_, stepper_.state());
-  }
-  return watch_track(summary);
+  energy_watch_.update(book_, stepper_);
+  if (std::optional<std::string> lost = track_watch_.update(stepper_)) return lost;
+  return energy_watch_.failure(book_, stepper_);
 }
 
-RunStatus RunLoop::watch_track(RunSummary& summary) {
+/// What the recorder kept, and what the tracks were seen to do.
+RunSeries RunLoop::series() const {
+  RunSeries series = recorder_.series();
   for (const Side side : {Side::left, Side::right}) {
-    const double offset = stepper_.work().lateral_guide_offset[static_cast<std::size_t>(index_of(side))];
-    if (offset < k_thrown_offset) continue;
-    summary.message = fmt::format(
-        "{} track thrown at {:.4f} s: a link stands {:.0f} mm beside the wheel it meets; the guide no longer holds "
-        "it (pre-tension, guide geometry, steering speed)",
-        name_of(side), stepper_.state().time, 1e3 * offset);
-    return RunStatus::failed;
+    const auto s = static_cast<std::size_t>(index_of(side));
+    series.skipped_teeth[s] = track_watch_.skipped_teeth(side);
+    series.slack[s] = track_watch_.slack(side);
   }
-  return RunStatus::completed;
-}
-
-RunStatus RunLoop::numerical_failure(StepStatus status, RunSummary& summary) const {
-  summary.message = fmt::format("at {:.6f} s, {}", stepper_.state().time, step_failure(system_, stepper_, status));
-  return RunStatus::failed;
-}
-
-RunStatus RunLoop::chatter(RunSummary& summary) const {
-  summary.message = fmt::format(
-      "energy residual {:.2e} of the integral of |sprocket power|, more than {:.0e}: hidden chatter; reduce "
-      "integrator.stability_fraction or max_step, or soften the stiffest contact",
-      book_.residual_fraction(), k_largest_residual);
-  return RunStatus::failed;
+  return series;
 }
 
 bool RunLoop::report(const Progress& progress, RunSummary& summary) const {
@@ -158,9 +143,7 @@ void RunLoop::finish(RunSummary& summary) {
   summary.energy.dissipated = book_.dissipated();
   summary.energy.residual = book_.residual();
   summary.energy.residual_fraction = book_.residual_fraction();
-  RunSeries series = recorder_.series();
-  for (std::size_t s = 0; s < k_num_sides; ++s) series.skipped_teeth[s] = counters_[s].skipped();
-  add_results(system_, start_.assembled, series, book_, summary);
+  add_results(system_, start_.assembled, series(), book_, summary);
   summary.results.push_back({"mean_step_s", steps_.mean, "s", "mean accepted step"});
 }
 
@@ -173,8 +156,15 @@ std::string remarks(const System& system, const RunSeries& series) {
     beyond += fmt::format("{} {} {:.2f} times", beyond.empty() ? "" : ",", k_axis_names[axis],
                           series.rubber.largest_deflection[axis] / valid->amplitude);
   }
-  if (beyond.empty()) return beyond;
-  return "; bushings deflected beyond what was identified (there the law is a straight line):" + beyond;
+  std::string all;
+  for (const Side side : {Side::left, Side::right}) {
+    const SlackSpan& slack = series.slack[static_cast<std::size_t>(index_of(side))];
+    if (slack.time < 0.0) continue;
+    all += fmt::format("; span at the {} sprocket slack at {:.3f} s", name_of(side), slack.time);
+  }
+  if (!beyond.empty())
+    all += "; bushings deflected beyond what was identified (there the law is a straight line):" + beyond;
+  return all;
 }
 
 }  // namespace grouser

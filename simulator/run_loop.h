@@ -5,6 +5,7 @@
 
 #include "model/progress.h"
 #include "simulator/checkpoint.h"
+#include "simulator/energy_watch.h"
 #include "simulator/run_recorder.h"
 #include "simulator/stopwatch.h"
 #include "simulator/track_watch.h"
@@ -43,15 +44,14 @@ class RunLoop {
   template <typename Archive>
   void archive(Archive& a) {
     auto& [accepted, min, mean, max] = steps_;
-    a(stepper_, book_, recorder_, counters_, accepted, min, mean, max, flushed_, saved_);
+    a(stepper_, book_, recorder_, track_watch_, energy_watch_, accepted, min, mean, max, flushed_, saved_);
   }
 
  private:
   [[nodiscard]] std::vector<double> corners() const;
-  RunStatus advance_to(double until, RunSummary& summary);
-  RunStatus watch_track(RunSummary& summary);
-  RunStatus numerical_failure(StepStatus status, RunSummary& summary) const;
-  RunStatus chatter(RunSummary& summary) const;
+  /// One step. Returns the reason where it ends the run as failed.
+  [[nodiscard]] std::optional<std::string> advance_to(double until);
+  [[nodiscard]] RunSeries series() const;
   bool report(const Progress& progress, RunSummary& summary) const;
   void flush();
   void save();
@@ -67,7 +67,8 @@ class RunLoop {
   Stepper stepper_;
   EnergyBook book_, previous_book_;
   RunRecorder recorder_;
-  std::array<ToothCounter, k_num_sides> counters_;
+  TrackWatch track_watch_;
+  EnergyWatch energy_watch_;
   double flushed_ = 0.0;  // s, time of the last flush
   double saved_ = -1.0;   // s, time of the last checkpoint; the first one is due at once
   struct {

@@ -73,8 +73,8 @@ void RunRecorder::sum_steps(const Stepper& stepper) {
   double rate = 0.0;
   for (const int sprocket : system_.sprocket_body)
     rate = std::max(rate, std::abs(stepper.state().chassis.rate[sprocket]));
-  if (rate <= k_still_share * largest_rate_) series_.rest_steps.time += h, ++series_.rest_steps.count;
-  if (steady_ && t > steady_->from && t <= steady_->to) series_.steady_steps.time += h, ++series_.steady_steps.count;
+  if (rate <= k_still_share * largest_rate_) series_.rest_steps.add(h, stepper.last_limit());
+  if (steady_ && t > steady_->from && t <= steady_->to) series_.steady_steps.add(h, stepper.last_limit());
 }
 
 }  // namespace grouser

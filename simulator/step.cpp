@@ -22,6 +22,7 @@ void reset(Workspace& work) {
   std::fill(work.rim_damping.begin(), work.rim_damping.end(), 0.0);
   work.largest_stable_step = std::numeric_limits<double>::infinity();
   work.bounding = {};
+  work.bottomed_unit = -1;
   for (Field& field : work.contact_force_W) field.fill(0.0);
   work.lateral_guide_offset = {};
   work.case_count = {};
@@ -248,6 +249,10 @@ StepStatus Stepper::step(double until) {
     if (!finite(accelerations_[f_next_])) {
       worst_ = {wildest_link(system_, accelerations_[f_next_]), -1};
       return StepStatus::not_finite;
+    }
+    if (next_work.bottomed_unit >= 0) {
+      worst_ = {-1, next_work.bottomed_unit};
+      return StepStatus::bottomed;
     }
     last_limit_ = h < h_ ? StepLimit::end : limit_;
     last_limiting_ = limiting_;

@@ -19,7 +19,7 @@ enum class StepLimit { error, stability, growth, max_step, min_step, end, fixed 
 inline constexpr const char* k_step_limit_names[] = {"error",    "stability", "growth", "max_step",
                                                      "min_step", "end",       "fixed"};
 
-enum class StepStatus { ok, not_finite, turned_too_far, underflow };
+enum class StepStatus { ok, not_finite, turned_too_far, underflow, bottomed };
 
 /// The state that a run moves through: two states and workspaces taken in turn, three accelerations.
 class Stepper {

@@ -11,24 +11,25 @@ constexpr double k_atmosphere = 1.0e5;  // Pa
 SpringMoment bar_moment(const CompiledSuspension& s, double bump, double bump_rate) {
   const double twist = s.bar.free_angle - (s.design_angle - bump);
   return {-s.bar.stiffness * twist - s.bar.damping * bump_rate, 0.5 * s.bar.stiffness * twist * twist,
-          s.bar.damping * bump_rate * bump_rate};
+          s.bar.damping * bump_rate * bump_rate, false};
 }
 
 SpringMoment gas_moment(const Hydropneumatic& unit, double bump, double bump_rate) {
   const Stroke stroke = piston_stroke(unit, bump);
-  // A piston at the bottom would make the gas volume vanish; the bump stop stands before it. 2 % keeps the power
-  // finite.
-  const double volume = std::max(unit.gas_volume - unit.piston_area * stroke.stroke, 0.02 * unit.gas_volume);
+  // Below 2 % of its volume at rest (some 3 GPa) the gas carries nothing real: bottomed. The floor keeps the figures of
+  // the step that is then refused finite.
+  const double at_rest = unit.gas_volume * unit.gas_temperature / unit.gas_charge_temperature, least = 0.02 * at_rest;
+  const double left = unit.gas_volume - unit.piston_area * stroke.stroke, volume = std::max(left, least);
   const double n = unit.polytropic_exponent;
-  const double pressure = unit.gas_pressure * std::pow(unit.gas_volume / volume, n);
-  const double work_of_gas = std::abs(n - 1.0) > 1e-9
-                                 ? pressure * volume / (n - 1.0)
-                                 : -unit.gas_pressure * unit.gas_volume * std::log(volume / unit.gas_volume);
+  const double pressure = unit.gas_pressure * std::pow(at_rest / volume, n);
+  const double work_of_gas = std::abs(n - 1.0) > 1e-9 ? pressure * volume / (n - 1.0)
+                                                      : -unit.gas_pressure * at_rest * std::log(volume / at_rest);
   const double area_lever = unit.piston_area * stroke.lever;
   const double flow = area_lever * bump_rate;
   const double damping =
       damper_pressure(unit, std::abs(flow)) * area_lever * (flow < 0.0 ? -1.0 : 1.0) + unit.linear_damping * bump_rate;
-  return {-area_lever * (pressure - k_atmosphere) - damping, work_of_gas + k_atmosphere * volume, damping * bump_rate};
+  return {-area_lever * (pressure - k_atmosphere) - damping, work_of_gas + k_atmosphere * volume, damping * bump_rate,
+          left < least};
 }
 
 /// Elastic end stops of the arm's travel.
@@ -81,7 +82,7 @@ SpringMoment station_moment(const CompiledSuspension& s, double angle, double ra
 SpringMoment tensioner_moment(const CompiledSuspension& s, double reference, double angle, double rate) {
   const double stretch = angle - reference;
   return {-s.tensioner_stiffness * stretch - s.tensioner_damping * rate,
-          0.5 * s.tensioner_stiffness * stretch * stretch, s.tensioner_damping * rate * rate};
+          0.5 * s.tensioner_stiffness * stretch * stretch, s.tensioner_damping * rate * rate, false};
 }
 
 void suspension_forces(const System& system, const AssemblyKnobs& knobs, const State& state, Workspace& work) {
@@ -93,6 +94,7 @@ void suspension_forces(const System& system, const AssemblyKnobs& knobs, const S
                                      : station_moment(spring, angle, rate);
     work.chassis.joint_torque[spring.body] = m.moment;
     work.energy.suspension += m.energy;
+    if (m.bottomed) work.bottomed_unit = spring.body;
     (tensioner ? work.energy.tensioner_power : work.energy.suspension_power) += m.loss;
   }
 }

@@ -5,14 +5,17 @@ namespace grouser {
 
 /// Moment of one joint spring against the joint's positive rotation, and what the energy book needs.
 struct SpringMoment {
-  double moment = 0.0;  ///< N m along +axis
-  double energy = 0.0;  ///< J
-  double loss = 0.0;    ///< W, >= 0
+  double moment = 0.0;    ///< N m along +axis
+  double energy = 0.0;    ///< J
+  double loss = 0.0;      ///< W, >= 0
+  bool bottomed = false;  ///< a gas unit without gas volume left: the figures are finite and mean nothing
 };
 
 /// Torsion bar: M = K (theta_f - theta), theta below horizontal (D 4.1), with bump and rebound stops.
 /// Hydropneumatic unit: gas p V^n through the slider-crank, orifice with blow-off in parallel, linear part
-/// (D 4.2, 4.3). angle, rate of the joint about V's +y; result acts on the arm.
+/// (D 4.2, 4.3). At another gas temperature than it was charged at the same mass of gas rests, under the design load,
+/// at p_s in the volume V_s T / T_charge (ideal gas); fast strokes follow p V^n from there. angle, rate of the joint
+/// about V's +y; result acts on the arm.
 [[nodiscard]] SpringMoment station_moment(const CompiledSuspension& spring, double angle, double rate);
 
 /// Tensioner about the idler arm's pivot, free at `reference`.

@@ -1,13 +1,86 @@
 #include "simulator/track_watch.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "simulator/failures.h"
+#include "simulator/track_path.h"
 
 namespace grouser {
 namespace {
 
 Vector3d link_position(const State& state, int i) {
   return {state.position[0][i], state.position[1][i], state.position[2][i]};
+}
+
+/// The pin of joint i (between link i and the next) in the vehicle frame.
+Vector3d joint_in_vehicle(const System& system, const CompiledTrack& track, const State& state, const Workspace& work,
+                          int i) {
+  const Vector3d half(0.5 * track.pitch * work.rotation[0][i], 0.5 * track.pitch * work.rotation[3][i],
+                      0.5 * track.pitch * work.rotation[6][i]);
+  return work.chassis.base_rotation.transpose() * (link_position(state, i) + half - state.chassis.position) +
+         system.chassis_center_V;
+}
+
+/// Mean, least and greatest tension of the joints that `belongs` lets in.
+template <typename Belongs>
+SpanTension span_tension(const System& system, const CompiledTrack& track, const State& state, const Workspace& work,
+                         Belongs belongs) {
+  SpanTension span{0.0, std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(), 0};
+  for (int i = track.offset; i < track.offset + track.num_links; ++i) {
+    if (!belongs(joint_in_vehicle(system, track, state, work, i))) continue;
+    const double tension = work.bushing_force[0][i];
+    span.mean += tension;
+    span.low = std::min(span.low, tension);
+    span.high = std::max(span.high, tension);
+    ++span.joints;
+  }
+  span.mean /= std::max(1, span.joints);
+  return span;
+}
+
+/// The road wheel whose axle stands nearest to the sprocket at design.
+const CompiledDiscs& wheel_next_to_sprocket(const System& system, const CompiledTrack& track) {
+  const RunningGear& gear = system.scenario.vehicle.side(track.side);
+  const auto distance = [&](const Station& s) { return (s.wheel.center - gear.sprocket.center).norm(); };
+  const auto nearest = std::min_element(gear.stations.begin(), gear.stations.end(),
+                                        [&](const Station& a, const Station& b) { return distance(a) < distance(b); });
+  const auto index = nearest - gear.stations.begin();
+  return track.discs[static_cast<std::size_t>(index)];
+}
+
+/// Length of the pin line round the running gear at design, with the idler arm where it is [m].
+double way_round(const System& system, const State& state, Side side) {
+  const int arm = system.idler_arm_body[static_cast<std::size_t>(index_of(side))];
+  return path_length(path_wheels(system.scenario.vehicle.side(side), state.chassis.angle[arm]));
+}
+
+/// The link that stands furthest beside a wheel that it meets.
+struct Beside {
+  int link = 0;         ///< link array index
+  int wheel = 0;        ///< tree body
+  double offset = 0.0;  ///< m
+  double play = 0.0;    ///< m, of a centred guide between the discs
+};
+
+Beside furthest_beside(const CompiledTrack& track, const State& state, const Workspace& work) {
+  Beside worst{track.offset, track.discs.front().body, 0.0, 0.0};
+  for (const CompiledDiscs& discs : track.discs) {
+    const Vector3d axle = state.chassis.position + work.chassis.origin_W[static_cast<std::size_t>(discs.body)];
+    for (int i = track.offset; i < track.offset + track.num_links; ++i) {
+      const Quaterniond q(state.orientation[0][i], state.orientation[1][i], state.orientation[2][i],
+                          state.orientation[3][i]);
+      const Vector3d center = q.conjugate() * (axle - link_position(state, i));
+      const double above = center.z() - discs.radius - track.wheel_path_height;
+      if (std::abs(center.x()) >= track.pitch || center.z() < 0.0 || above >= track.guide_height) continue;
+      if (std::abs(center.y()) > worst.offset)
+        worst = {i, discs.body, std::abs(center.y()), discs.half_gap - track.guide_half_base};
+    }
+  }
+  return worst;
 }
 
 }  // namespace
@@ -19,24 +92,31 @@ SpanTension upper_run_tension(const System& system, const State& state, const Wo
   const double margin_a = gear.sprocket.tip_radius + 0.1, margin_b = gear.idler.wheel.radius + 0.1;
   const bool a_first = a.x() < b.x();
   const double from = a_first ? a.x() + margin_a : b.x() + margin_b, to = a_first ? b.x() - margin_b : a.x() - margin_a;
-  SpanTension span{0.0, std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(), 0};
-  for (int k = 0; k < track.num_links; ++k) {
-    const int i = track.offset + k;
-    const Vector3d half(0.5 * track.pitch * work.rotation[0][i], 0.5 * track.pitch * work.rotation[3][i],
-                        0.5 * track.pitch * work.rotation[6][i]);
-    const Vector3d p_V =
-        work.chassis.base_rotation.transpose() * (link_position(state, i) + half - state.chassis.position) +
-        system.chassis_center_V;
-    const double axle_line = a.z() + (b.z() - a.z()) * (p_V.x() - a.x()) / (b.x() - a.x());
-    if (p_V.x() < from || p_V.x() > to || p_V.z() < axle_line) continue;
-    const double tension = work.bushing_force[0][i];
-    span.mean += tension;
-    span.low = std::min(span.low, tension);
-    span.high = std::max(span.high, tension);
-    ++span.joints;
-  }
-  span.mean /= std::max(1, span.joints);
-  return span;
+  return span_tension(system, track, state, work, [&](const Vector3d& p) {
+    const double axle_line = a.z() + (b.z() - a.z()) * (p.x() - a.x()) / (b.x() - a.x());
+    return p.x() >= from && p.x() <= to && p.z() >= axle_line;
+  });
+}
+
+SpanTension sprocket_span_tension(const System& system, const State& state, const Workspace& work, Side side) {
+  const CompiledTrack& track = system.tracks[static_cast<std::size_t>(index_of(side))];
+  if (track.discs.empty() || system.scenario.vehicle.side(side).stations.empty()) return {};
+  const CompiledDiscs& wheel = wheel_next_to_sprocket(system, track);
+  const Vector3d a = system.scenario.vehicle.side(side).sprocket.center;
+  const Vector3d b =
+      work.chassis.base_rotation.transpose() * work.chassis.origin_W[static_cast<std::size_t>(wheel.body)] +
+      system.chassis_center_V;
+  // Outer tangent below both: unit normal n with (b - a) . n = r_a - r_b, in the x-z plane.
+  const double r_a = track.speed_per_sprocket_rate, r_b = wheel.radius + track.wheel_path_height;
+  const double dx = b.x() - a.x(), dz = b.z() - a.z(), d = std::hypot(dx, dz), c = (r_a - r_b) / d;
+  const double across = std::sqrt(1.0 - c * c) * (dx > 0.0 ? 1.0 : -1.0);
+  const double nx = c * dx / d + across * dz / d, nz = c * dz / d - across * dx / d;
+  const double tx = (dx + (r_b - r_a) * nx), tz = (dz + (r_b - r_a) * nz), length = std::hypot(tx, tz);
+  return span_tension(system, track, state, work, [&](const Vector3d& p) {
+    const double x = p.x() - a.x() - r_a * nx, z = p.z() - a.z() - r_a * nz;
+    const double along = (x * tx + z * tz) / length, off = x * nx + z * nz;
+    return along >= 0.5 * track.pitch && along <= length - 0.5 * track.pitch && std::abs(off) < track.pitch;
+  });
 }
 
 ToothCounter::ToothCounter(const System& system, const State& state, Side side) : side_(side) {
@@ -83,6 +163,85 @@ void ToothCounter::update(const System& system, const State& state) {
   if (!index) return;
   links_ += std::remainder(*index - last_index_, track.num_links);
   last_index_ = *index;
+}
+
+int ToothCounter::link(const System& system) const {
+  const CompiledTrack& track = system.tracks[static_cast<std::size_t>(index_of(side_))];
+  const int nearest = static_cast<int>(std::lround(last_index_)) % track.num_links;
+  return track.offset + (nearest < 0 ? nearest + track.num_links : nearest);
+}
+
+TrackWatch::TrackWatch(const System& system, const State& rest)
+    : system_(system),
+      tracks_{OneTrack{ToothCounter(system, rest, Side::left), 0.0, {}},
+              OneTrack{ToothCounter(system, rest, Side::right), 0.0, {}}} {
+  for (const Side side : {Side::left, Side::right}) {
+    tracks_[static_cast<std::size_t>(index_of(side))].length_at_rest = way_round(system, rest, side);
+  }
+}
+
+std::optional<std::string> TrackWatch::update(const Stepper& stepper) {
+  constexpr long k_steps_between_looks = 20;  // far less than a tooth at any speed a step can follow
+  const bool look = ++steps_ % k_steps_between_looks == 0;
+  for (const Side side : {Side::left, Side::right}) {
+    const auto s = static_cast<std::size_t>(index_of(side));
+    if (stepper.work().lateral_guide_offset[s] >= k_thrown_offset) return thrown(stepper, side);
+    if (!look) continue;
+    tracks_[s].counter.update(system_, stepper.state());
+    note_slack(stepper, side);
+    if (std::abs(tracks_[s].counter.skipped()) >= k_skipped_tooth) return skipped(stepper, side);
+  }
+  return std::nullopt;
+}
+
+void TrackWatch::note_slack(const Stepper& stepper, Side side) {
+  OneTrack& track = tracks_[static_cast<std::size_t>(index_of(side))];
+  if (track.slack.time >= 0.0) return;
+  const SpanTension span = sprocket_span_tension(system_, stepper.state(), stepper.work(), side);
+  if (span.joints == 0 || span.mean > 0.0) return;
+  track.slack = {stepper.state().time, track.length_at_rest - way_round(system_, stepper.state(), side)};
+}
+
+std::string TrackWatch::slack_story(Side side) const {
+  const SlackSpan& slack = at(side).slack;
+  return fmt::format(
+      "the span between its sprocket and the next road wheel first went slack at {:.4f} s, when the "
+      "idler had given way by {:.1f} mm of track",
+      slack.time, 1e3 * slack.given_way);
+}
+
+std::string TrackWatch::skipped(const Stepper& stepper, Side side) const {
+  const ToothCounter& counter = at(side).counter;
+  std::string text = fmt::format(
+      "{} track skipped a tooth at {:.4f} s, {} on the sprocket: {:.2f} links passed it for {:.2f} teeth turned; ",
+      name_of(side), stepper.state().time, link_name(system_, counter.link(system_)),
+      counter.teeth() + counter.skipped(), counter.teeth());
+  if (at(side).slack.time >= 0.0) {
+    text += slack_story(side) + " (a stiffer tensioner or more pre-tension would hold it)";
+  } else {
+    const SpanTension span = sprocket_span_tension(system_, stepper.state(), stepper.work(), side);
+    text += fmt::format("with {:.1f} kN in its free span the pins climb the flanks (flank angle, friction, worn teeth)",
+                        1e-3 * span.mean);
+  }
+  return text;
+}
+
+std::string TrackWatch::thrown(const Stepper& stepper, Side side) const {
+  const CompiledTrack& track = system_.tracks[static_cast<std::size_t>(index_of(side))];
+  const Workspace& work = stepper.work();
+  const Beside worst = furthest_beside(track, stepper.state(), work);
+  const Field& guide = work.contact_force_W[static_cast<std::size_t>(Partner::guide)];
+  const double held = std::hypot(guide[0][worst.link], guide[1][worst.link], guide[2][worst.link]);
+  std::string text = fmt::format(
+      "{} track thrown at {:.4f} s: {} stands {:.0f} mm beside {}, where its guide has {:.0f} "
+      "mm of play; ",
+      name_of(side), stepper.state().time, link_name(system_, worst.link), 1e3 * worst.offset,
+      part_name(system_, {-1, worst.wheel}), 1e3 * worst.play);
+  if (at(side).slack.time >= 0.0) return text + slack_story(side);
+  return text + fmt::format(
+                    "the guide holds it with {:.1f} kN and gives way, with {:.1f} kN in the joint (guide "
+                    "stiffness and height, pre-tension, steering)",
+                    1e-3 * held, 1e-3 * work.bushing_force[0][worst.link]);
 }
 
 }  // namespace grouser

@@ -98,6 +98,7 @@ struct Workspace {
   std::array<long, k_num_contact_cases> case_count{};  ///< this evaluation
   double largest_stable_step = 0.0;                    ///< s, by contacts and link_accelerations (pessimistic bound)
   Part bounding;                                       ///< what set it
+  int bottomed_unit = -1;  ///< tree body of an arm whose gas unit has no volume left, by suspension_forces
 };
 
 [[nodiscard]] Workspace make_workspace(const System& system);

@@ -276,7 +276,8 @@ TORSION_BAR = record(kind={"const": "torsion_bar"}, stiffness=("angular stiffnes
 HYDROPNEUMATIC = record(
     kind={"const": "hydropneumatic"}, piston_area=("area", POSITIVE), crank_radius=("length", POSITIVE),
     rod_length=("length", POSITIVE), crank_angle=("angle", NUMBER), gas_volume=("volume", POSITIVE),
-    gas_pressure=("pressure", POSITIVE), polytropic_exponent_=POSITIVE, orifice_area=("area", POSITIVE),
+    gas_pressure=("pressure", POSITIVE), polytropic_exponent_=POSITIVE,
+    gas_charge_temperature_=("temperature", NUMBER), gas_temperature_=("temperature", NUMBER), orifice_area=("area", POSITIVE),
     oil_density_=("density", POSITIVE), blow_off_pressure=("pressure", POSITIVE),
     blow_off_area=("area per pressure", NOT_NEGATIVE), linear_damping=("angular damping", NOT_NEGATIVE))
 STATION = record(pivot=("length", point()), arm=record(**MASS_OF_BODY), wheel=DISCS,

@@ -63,6 +63,37 @@ TEST(Hydropneumatic, FollowsTheTravelTableOfAConstantLever) {
   }
 }
 
+TEST(Hydropneumatic, CarriesItsLoadOnAVolumeProportionalToTheTemperature) {
+  // D 4.2: the same mass of ideal gas. Where the unit carries the design load at another temperature, its gas fills
+  // V_s T / T_charge at p_s.
+  const CompiledSuspension cold = gas_unit();
+  for (const double temperature : {253.15, 293.15, 353.15}) {  // -20, 20, 80 degC
+    CompiledSuspension unit = cold;
+    unit.unit.gas_temperature = temperature;
+    const auto pressure = [&](double bump) {
+      return -station_moment(unit, bump, 0.0).moment / (unit.unit.piston_area * piston_stroke(unit.unit, bump).lever);
+    };
+    const double wanted = cold.unit.gas_pressure - 1e5;
+    double low = -0.35, high = 0.5;  // rad; pressure grows with bump
+    for (int i = 0; i < 60; ++i) (pressure(0.5 * (low + high)) < wanted ? low : high) = 0.5 * (low + high);
+    const double volume = unit.unit.gas_volume - unit.unit.piston_area * piston_stroke(unit.unit, low).stroke;
+    EXPECT_NEAR(volume / (cold.unit.gas_volume * temperature / 293.15), 1.0, 1e-9) << temperature;
+    // An isothermal unit held at its design angle: p proportional to T.
+    unit.unit.polytropic_exponent = 1.0;
+    EXPECT_NEAR((pressure(0.0) + 1e5) / (cold.unit.gas_pressure * temperature / 293.15), 1.0, 1e-12);
+  }
+}
+
+TEST(Hydropneumatic, SaysWhenItsGasIsPressedToNothing) {
+  CompiledSuspension s = gas_unit();
+  s.unit.gas_volume = 5e-4;  // its crank can press out 7.8e-4
+  double bump = 0.3;
+  while (piston_stroke(s.unit, bump).stroke * s.unit.piston_area < 0.98 * s.unit.gas_volume) bump += 1e-4;
+  EXPECT_FALSE(station_moment(s, bump - 2e-4, 0.0).bottomed);
+  EXPECT_TRUE(station_moment(s, bump + 1e-4, 0.0).bottomed);
+  EXPECT_TRUE(std::isfinite(station_moment(s, 1.3, 0.0).moment));
+}
+
 TEST(Suspension, MomentIsTheGradientOfItsEnergyAndLossIsNeverNegative) {
   for (const CompiledSuspension& s : {torsion_bar(), gas_unit()}) {
     for (double bump = -0.7; bump < 0.8; bump += 0.013) {  // both stops included

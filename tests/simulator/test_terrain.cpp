@@ -150,6 +150,34 @@ TEST(FrictionZones, ChangeTheDecelerationWhereTheyBegin) {
   EXPECT_NEAR(loss(k_place + 2.2, k_place + 3.6) / (0.2 * 9.81), 1.0, 0.03);
 }
 
+TEST(FrictionZones, ChangeUnderTheMiddleOfALink) {
+  // A zone's edge runs along under the link: four of its points slide on 0.7, the two on the right on 0.2. It feels the
+  // sum, and the moment about z that the difference makes.
+  constexpr double k_aside = 0.05;  // m
+  Terrain terrain;
+  terrain.friction = 0.2;
+  terrain.zones = {{Side::left, -50.0, 50.0, 0.7}};
+  const System system = system_on(terrain, 1e-5);
+  const CompiledTrack& track = system.tracks[0];
+  State state = strewn_state(system);
+  LinkMotion link;
+  const double depth = track.mass * 9.81 / (6.0 * track.ground.stiffness);
+  link.position = {k_place, k_aside, track.ground_depth - depth};
+  link.velocity = {8.0, 0.0, 0.0};
+  set_link(state, k_link, link);
+  Stepper sliding(system, state, {});
+  while (sliding.state().time < 2e-4) ASSERT_EQ(sliding.step(1e9), StepStatus::ok);  // 1.6 mm: all bristles slide
+  const double per_point = track.mass * 9.81 / 6.0;
+  double drag = 0.0, moment = 0.0;
+  for (const Vector3d& p : track.ground_points) {
+    const double friction = p.y() + k_aside > 0.0 ? 0.7 : 0.2;
+    drag += friction * per_point;
+    moment += friction * per_point * p.y();
+  }
+  EXPECT_NEAR(-track.mass * sliding.acceleration().linear[0][k_link], drag, 0.02 * drag);
+  EXPECT_NEAR(track.inertia.z() * sliding.acceleration().angular[2][k_link], moment, 0.02 * moment);
+}
+
 TEST(StartPose, StandsOnTheSlopeItStartsOn) {
   Scenario scenario = parked(reference_vehicle(), elastic_bushing(), 9.81);
   scenario.terrain.slope = 0.3;

@@ -3,6 +3,8 @@
 #include <cmath>
 
 #include "model/errors.h"
+#include "simulator/failures.h"
+#include "simulator/suspension.h"
 #include "simulator/track_path.h"
 #include "simulator/track_watch.h"
 #include "tests/support/allocation_count.h"
@@ -88,6 +90,45 @@ TEST(Assembly, RefusesATrackThatCannotClose) {
   } catch (const NumericalError& error) {
     EXPECT_NE(std::string(error.what()).find("60 links"), std::string::npos) << error.what();
   }
+}
+
+TEST(Assembly, RefusesAVehicleThatStillMovesWhenItShouldStand) {
+  // Friction of 0.9 ahead and 0.3 behind holds 60 % on the average of the wheels' places, but uphill the rear carries
+  // more: it slides.
+  Scenario scenario = parked(reference_vehicle(), rubber_bushing(), 9.81);
+  scenario.terrain.slope = 0.58;
+  scenario.terrain.friction = 0.9;
+  scenario.terrain.zones = {{{}, -50.0, 0.0, 0.3}};
+  scenario.assembly.settle_time = 3.0;
+  try {
+    static_cast<void>(assemble(compile(scenario)));
+    FAIL() << "it slides downhill";
+  } catch (const NumericalError& error) {
+    EXPECT_NE(std::string(error.what()).find("does not come to rest, a link still moves at"), std::string::npos)
+        << error.what();
+  }
+}
+
+TEST(Vehicle, AGasUnitPressedToNothingEndsTheStepWithItsArm) {
+  System system = reference_scene().system;
+  system.scenario.integrator.fixed_step = 1e-4;
+  State state = reference_scene().rest.state;
+  CompiledSuspension& first = system.suspension.front();
+  first.unit.gas_volume = 5e-4;  // its crank can press out 7.8e-4
+  ASSERT_EQ(first.kind, JointSpring::hydropneumatic);
+  const auto volume_left = [&](double bump) {
+    return 1.0 - first.unit.piston_area * piston_stroke(first.unit, bump).stroke / first.unit.gas_volume;
+  };
+  double bump = 0.3;  // rad; the wheel is then above its track
+  while (volume_left(bump) > 0.0205) bump += 1e-5;
+  state.chassis.angle[first.body] = bump;
+  state.chassis.rate[first.body] = 50.0;  // rad/s: 0.5 % of the volume in the step
+  Stepper stepper(system, state, reference_scene().rest.knobs);
+  EXPECT_EQ(stepper.step(1e9), StepStatus::bottomed);
+  EXPECT_EQ(stepper.worst().body, first.body);
+  EXPECT_EQ(step_failure(system, stepper, StepStatus::bottomed).rfind("left/arm_1: its gas unit bottomed", 0), 0u);
+  EXPECT_EQ(stepper.state().chassis.angle[first.body], bump);  // the last good state is kept
+  EXPECT_TRUE(std::isfinite(stepper.acceleration().chassis.joint.norm()));
 }
 
 TEST(Vehicle, StaysParked) {
