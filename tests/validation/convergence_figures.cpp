@@ -51,7 +51,7 @@ Panel quantity_panel(const Ladder& ladder, const std::string& name) {
   panel.x_range = range_of(ladder);
   const double reference = quantity.scale * ladder.reference().mean(q);
   const double allowance = ladder.allowance(ladder.tolerance(ladder.chosen), q);
-  panel.bands.push_back({fmt::format("{:.0f} %, and scatter", 100.0 * limit_of(quantity.kind)),
+  panel.bands.push_back({fmt::format("{:g} %, and scatter", 100.0 * limit_of(quantity.kind)),
                          {(*panel.x_range)[0], (*panel.x_range)[1]},
                          {reference * (1.0 - allowance), reference * (1.0 - allowance)},
                          {reference * (1.0 + allowance), reference * (1.0 + allowance)}});

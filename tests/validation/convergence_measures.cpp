@@ -121,7 +121,8 @@ class Recorder {
     if (static_cast<double>(due_) / k_rate <= t) sample(stepper, t);
   }
 
-  [[nodiscard]] Measures finish(const Stepper& stepper, const EnergyBook& book, const State& start) const {
+  [[nodiscard]] Measures finish(const Stepper& stepper, const EnergyBook& book, double residual_fraction,
+                                const State& start) const {
     const double from = phases_.cruise_from + k_settling, to = phases_.cruise_to;
     const CompiledTrack& track = system_.tracks[0];
     const double speed = stepper_rate() * track.speed_per_sprocket_rate;
@@ -148,7 +149,7 @@ class Recorder {
                wheel_.mean(),
                sprocket_.mean(),
                ground_.mean()};
-    m.residual_fraction = book.residual_fraction();
+    m.residual_fraction = residual_fraction;
     m.mean_step = cruise_time_ / static_cast<double>(cruise_steps_);
     m.error_share = static_cast<double>(by_error_) / static_cast<double>(cruise_steps_);
     m.stability_share = static_cast<double>(by_stability_) / static_cast<double>(cruise_steps_);
@@ -266,16 +267,23 @@ Measures measure(const System& system, const State& start, const AssemblyKnobs& 
   Stepper stepper(system, start, knobs);
   EnergyBook book = open_book(stepper.work().energy);
   Recorder recorder(system, phases);
-  std::vector<double> corners = system.scenario.drive[0].time;
-  if (corners.back() < phases.end) corners.push_back(phases.end);
-  for (const double corner : corners) {
-    while (stepper.state().time < corner) {
-      if (stepper.step(corner) != StepStatus::ok) throw std::runtime_error("a run of the ladder failed");
+  double residual = 0.0, turnover = 0.0;
+  const auto go_to = [&](double time, bool counted) {
+    const double residual_before = book.residual(), turnover_before = book.absolute_input;
+    while (stepper.state().time < time) {
+      if (stepper.step(time) != StepStatus::ok) throw std::runtime_error("a run of the ladder failed");
       book_step(book, stepper.work().energy, stepper.last_step());
       recorder.look(stepper);
     }
-  }
-  return recorder.finish(stepper, book, start);
+    if (!counted) return;
+    residual += book.residual() - residual_before;
+    turnover += book.absolute_input - turnover_before;
+  };
+  go_to(phases.cruise_from, true);
+  go_to(phases.cruise_to - phases.longer, true);
+  go_to(phases.cruise_to, false);
+  go_to(phases.end, true);
+  return recorder.finish(stepper, book, std::abs(residual) / turnover, start);
 }
 
 }  // namespace grouser::validation

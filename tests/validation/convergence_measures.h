@@ -24,6 +24,7 @@ struct Quantity {
 /// When the vehicle accelerates from rest, cruises and brakes, of a run A whose cruise may be longer [s].
 struct Phases {
   double cruise_from = 10.0, cruise_to = 13.0, end = 17.0;
+  double longer = 0.0;  ///< of the cruise, over run A's own
 };
 
 /// Steps of a tenth of a second of the drive.
@@ -35,7 +36,7 @@ struct TenthOfSteps {
 struct Measures {
   std::vector<double> value;           ///< SI, as quantities()
   double mean_step = 0.0;              ///< s, in cruise
-  double residual_fraction = 0.0;      ///< of the energy book
+  double residual_fraction = 0.0;      ///< of the energy book, the longer part of the cruise left out
   double error_share = 0.0;            ///< of the accepted steps in cruise: bounded by the error or by growth after it
   double stability_share = 0.0;        ///< bounded by stability
   long accepted = 0, evaluations = 0;  ///< whole run

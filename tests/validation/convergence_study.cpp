@@ -72,7 +72,7 @@ Study make_study(bool smoke) {
   Study study;
   study.scenario = read_scenario(GROUSER_SOURCE_DIR "/test_data/scenarios/run_a.json");
   const IntegratorOptions& shipped = study.scenario.integrator;
-  study.ladder.phases = smoke ? Phases{0.3, 1.6, 2.2} : Phases{10.0, 18.0, 22.0};
+  study.ladder.phases = smoke ? Phases{0.3, 1.6, 2.2} : Phases{10.0, 18.0, 22.0, 5.0};
   const double top = smoke ? 4.5 : 45.0;  // rad/s
   const Phases& phases = study.ladder.phases;
   for (DriveTable& table : study.scenario.drive)
@@ -82,10 +82,16 @@ Study make_study(bool smoke) {
   const auto coarse_to_fine =
       smoke ? std::vector{shipped.velocity_tolerance, 0.003} : std::vector{0.1, 0.03, 0.01, 0.005, 0.002, 0.001};
   for (const double tolerance : coarse_to_fine) study.ladder.tolerances.push_back(tolerance_rung(shipped, tolerance));
-  for (const double fraction : smoke ? std::vector{1.5} : std::vector{0.9, 1.5, 1.8})
+  for (const double fraction : smoke ? std::vector{1.5} : std::vector{1.5})
     study.ladder.bounds.push_back(bound_rung(shipped, fraction));
   for (const double step : smoke ? std::vector{1e-4, 8e-5} : std::vector{1.6e-4, 1.2e-4, 8e-5, 4e-5, 2e-5})
     study.ladder.fixed_steps.push_back(fixed_rung(shipped, step));
+  for (auto* rungs : {&study.ladder.tolerances, &study.ladder.fixed_steps}) {
+    for (Rung& rung : *rungs) {
+      if (rung.setting < (rung.adaptive ? 8e-3 : 6e-5))
+        rung.num_runs = 1;  // costly; the scatter is known from the rest
+    }
+  }
   study.fine = study.ladder.tolerances.back().name;
   if (smoke) {
     study.trajectory_from = 1.0;
