@@ -93,8 +93,8 @@ std::string convergence_page(const Ladder& ladder, const TrajectoryErrors& error
   std::string text = fmt::format(
       R"(# Convergence of run A
 
-How the results of the reference vehicle's straight drive hang on the integrator's tolerance, and why the shipped tolerance is {chosen}. Every
-number and picture here comes from one program; make it again with
+How the results of the reference vehicle's straight drive hang on the integrator's tolerance, and why the shipped tolerance is {chosen}. Tables
+and pictures come from one program, with the numbers about them; make them again with
 `cmake --build build/release --target grouser_convergence && build/release/grouser_convergence -o docs` (some minutes).
 
 - The drive is run A with its cruise held for {cruise:g} s instead of 3, so that lines stand on {window:g} s: rest to 50 km/h in {up:g} s, cruise, rest in {down:g} s.
@@ -119,10 +119,10 @@ number and picture here comes from one program; make it again with
       "## Choice of the tolerance\n\n" + steps_table(ladder) +
       "\nThe displacement tolerance is the velocity tolerance times 1 ms on every line. `bound` is "
       "`integrator.stability_fraction`, where it is not the shipped one: it multiplies the largest step that is stable "
-      "for "
-      "certain. The coarsest tolerance that agrees is not the shipped one because it leaves events to the stability "
-      "bound alone: on the half round of `half_round_20kmh.json` the residual is 0.7e-4 at 10 mm/s, 1.3e-4 at 30 and "
-      "2.4e-4 at 100.\n" +
+      "for certain. The coarsest tolerance that agrees is not the shipped one because it leaves events to the "
+      "stability "
+      "bound alone: on the half round of `half_round_20kmh.json` the residual was 0.7e-4 at 10 mm/s, 1.3e-4 at 30 and "
+      "2.4e-4 at 100 (runs by hand, beside this program).\n" +
       picture("convergence_energy", "Energy residual over the mean step; it falls as the square of a fixed step") +
       "Deviation from the reference in per cent, by quantity:\n\n" + quantities_table(ladder);
   text +=
