@@ -68,7 +68,7 @@ TEST_F(Studies, RunsThatDifferInOneNumberAreFollowedOverIt) {
               HasSubstr("the largest tension in a bushing rises by 100 % (126 kN to 253 kN)"));
   EXPECT_THAT(study["conclusion"][1].get<std::string>(), HasSubstr("to the power −0.50 over all"));
   EXPECT_THAT(study["care"].get<std::string>(),
-              HasSubstr("At bushing scale 0.25 a bushing is deflected 6.0 times as far as it was identified"));
+              HasSubstr("At bushing scale 0.25 a bushing is deflected 6 times as far as it was identified"));
   EXPECT_THAT(study["paper"].get<std::string>(), HasSubstr("Section 7"));
   const json step = find_row(study["groups"], "mean");
   EXPECT_NEAR(step["power"]["value"].get<double>(), -0.5, 1e-12);
