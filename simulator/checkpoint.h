@@ -220,10 +220,10 @@ void archive(Archive& a, RubberLoads& loads) {
 
 template <typename Archive>
 void archive(Archive& a, RunSeries& series) {
-  auto& [time, x, y, yaw, speed, yaw_rate, ground_force, upper_tension, probe_time, probe_torque, rest_steps,
-         steady_steps, rubber, largest_guide_offset, skipped_teeth, slack, case_total] = series;
-  a(time, x, y, yaw, speed, yaw_rate, ground_force, upper_tension, probe_time, probe_torque, rest_steps, steady_steps,
-    rubber, largest_guide_offset, skipped_teeth, slack, case_total);
+  auto& [time, x, y, yaw, speed, yaw_rate, ground_force, probe_time, probe_torque, rest_steps, steady_steps, rubber,
+         largest_guide_offset, skipped_teeth, slack, case_total] = series;
+  a(time, x, y, yaw, speed, yaw_rate, ground_force, probe_time, probe_torque, rest_steps, steady_steps, rubber,
+    largest_guide_offset, skipped_teeth, slack, case_total);
 }
 
 }  // namespace grouser

@@ -37,8 +37,9 @@ void evaluate_bushings(const RubberStep& step, const BodyLanes& link, const Body
 /// Static condensation: the massless connector stands where the wrenches of its two bushings cancel, all six components
 /// (Newton with their tangents, from connectors_in_line), and moves as it must for them to go on cancelling. The
 /// transverse stiffness T / l of a pulled connector is part of it. Nothing of the connector is remembered but what its
-/// bushings' rubber remembers, each its own. Only the first `valid` joints count. A connector without equilibrium
-/// gets a wrench that is not a number.
+/// bushings' rubber remembers, each its own. Only the first `valid` joints count. Where slipping stops keep
+/// Newton from settling, what is left below 10 um and 1e-4 rad is shared by the shoes; a connector further from any
+/// equilibrium gets a wrench that is not a number, and the step is tried again, shorter.
 [[nodiscard]] DoublePinJoints balance_connectors(const RubberStep& step, const BodyLanes& link, const BodyLanes& next,
                                                  DoublePinRows rows, int valid);
 

@@ -117,6 +117,8 @@ std::string EnergyWatch::remedy(const Stepper& stepper) const {
     return fmt::format("integrator.fixed_step is {:.2f} times the bound that stability_fraction ({:.2f}) is meant for",
                        options.fixed_step / stepper.work().largest_stable_step, options.stability_fraction);
   }
+  if (stepper.last_limit() == StepLimit::min_step)
+    return "reduce integrator.min_step, which holds the steps above the stable ones";
   return fmt::format("reduce integrator.{} or soften what bounds the step",
                      2 * by_error_ > steps_ ? "velocity_tolerance" : "stability_fraction");
 }
@@ -125,7 +127,8 @@ std::optional<std::string> EnergyWatch::failure(const EnergyBook& book, const St
   const double fraction = book.residual_fraction();
   if (fraction < k_largest_residual) return std::nullopt;
   return fmt::format(
-      "energy residual {:.2e} of the integral of |sprocket power| at {:.4f} s, more than {:.0e}: the steps chatter. "
+      "energy residual {:.2e} of the energy turned over (sprocket work, losses or strain of the rubber, whichever is "
+      "most) at {:.4f} s, more than {:.0e}: the steps chatter. "
       "Since {:.4f} s {}; {}; {}",
       fraction, stepper.state().time, k_largest_residual, sound_time_, growing_account(book), bounding_part(),
       remedy(stepper));

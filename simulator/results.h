@@ -15,9 +15,8 @@ namespace grouser {
 struct RunSeries {
   std::vector<double> time, x, y, yaw, speed, yaw_rate;  ///< chassis origin, W
   std::vector<double> ground_force;                      ///< N, vertical, all links
-  std::array<std::vector<double>, k_num_sides> upper_tension;
-  std::vector<double> probe_time;    ///< s, at the probe rate
-  std::vector<double> probe_torque;  ///< N m, left sprocket
+  std::vector<double> probe_time;                        ///< s, at the probe rate
+  std::vector<double> probe_torque;                      ///< N m, left sprocket
   struct StepSum {
     double time = 0.0;
     long count = 0;

@@ -43,7 +43,8 @@ void RunLoop::take(CheckpointReader& checkpoint) {
                                 "start the run without --resume"});
 }
 
-/// Times that a step must end on: corners of the drive tables, the end.
+/// Times that a step must end on: corners of the drive tables, the end. Of corners closer than the smallest step one is
+/// enough: a sliver of a step between them would make the slope form divide by it.
 std::vector<double> RunLoop::corners() const {
   const double duration = system_.scenario.duration;
   std::vector<double> times{duration};
@@ -53,7 +54,13 @@ std::vector<double> RunLoop::corners() const {
     }
   }
   std::sort(times.begin(), times.end());
-  return times;
+  const double least = system_.scenario.integrator.min_step;
+  std::vector<double> apart;
+  for (const double t : times) {
+    if (!apart.empty() && t - apart.back() < least) apart.pop_back();
+    apart.push_back(t);
+  }
+  return apart;
 }
 
 RunStatus RunLoop::go(const Progress& progress, RunSummary& summary) {

@@ -77,8 +77,8 @@ class RunLoop {
   } steps_;
 };
 
-/// What a user must know of a run that is otherwise sound: rubber deflected further than was measured, inputs that are
-/// read but not yet in the equations. Begins with "; ", empty when there is nothing.
+/// What a user must know of a run that is otherwise sound: rubber deflected further than was measured, a span that
+/// went slack. Begins with "; ", empty when there is nothing.
 [[nodiscard]] std::string remarks(const System& system, const RunSeries& series);
 
 }  // namespace grouser

@@ -127,8 +127,8 @@ double furthest_pivot(const Tree& tree) {
   return reach;
 }
 
-/// First link whose acceleration is not finite, else the one that is accelerated most.
-int wildest_link(const System& system, const Acceleration& acceleration) {
+/// First part whose acceleration is not finite, links before the chassis; else the link that is accelerated most.
+Part wildest_part(const System& system, const Acceleration& acceleration) {
   int wildest = -1;
   double largest = -1.0;
   for (const CompiledTrack& track : system.tracks) {
@@ -136,11 +136,16 @@ int wildest_link(const System& system, const Acceleration& acceleration) {
       double sum = 0.0;
       for (int c = 0; c < 3; ++c)
         sum += std::abs(acceleration.linear[c][i]) + 0.1 * std::abs(acceleration.angular[c][i]);
-      if (!std::isfinite(sum)) return i;
+      if (!std::isfinite(sum)) return {i, -1};
       if (sum > largest) largest = sum, wildest = i;
     }
   }
-  return wildest;
+  const TreeAcceleration& chassis = acceleration.chassis;
+  for (Eigen::Index j = 0; j < chassis.joint.size(); ++j) {
+    if (!std::isfinite(chassis.joint[j])) return {-1, static_cast<int>(j)};
+  }
+  if (!chassis.linear.allFinite() || !chassis.angular.allFinite()) return {};
+  return {wildest, -1};
 }
 
 bool finite(const Acceleration& acceleration) {
@@ -231,23 +236,24 @@ StepStatus Stepper::step(double until) {
     const double h = last ? left : (left < 2.0 * h_ ? 0.5 * left : h_);
     const double turn = advance(system_, h, previous_h_, now, accelerations_[f_now_], accelerations_[f_before_], next);
     if (!(turn < 0.5)) {  // rad in one step; also a NaN
-      worst_ = {wildest_link(system_, accelerations_[f_now_]), -1};
+      worst_ = wildest_part(system_, accelerations_[f_now_]);
       return StepStatus::turned_too_far;
     }
     evaluate(system_, knobs, now.history, h, next, next_work, accelerations_[f_next_]);
     ++evaluations_;
 
     const double ratio = options.fixed_step > 0.0 ? 0.0 : error_ratio(h);
-    if (ratio > 1.0) {
-      if (h <= options.min_step) return StepStatus::underflow;
-      h_ = std::max(options.min_step, h * std::clamp(0.9 * std::cbrt(1.0 / ratio), 0.2, 0.9));
+    if (ratio > 1.0 && h <= options.min_step) return StepStatus::underflow;
+    if (!(ratio <= 1.0) && h > options.min_step) {  // also what is no number: a smaller step may find one
+      const double shrink = ratio > 1.0 ? std::clamp(0.9 * std::cbrt(1.0 / ratio), 0.2, 0.9) : 0.2;
+      h_ = std::max(options.min_step, h * shrink);
       limit_ = StepLimit::error;
       limiting_ = worst_;
       ++rejected_;
       continue;
     }
     if (!finite(accelerations_[f_next_])) {
-      worst_ = {wildest_link(system_, accelerations_[f_next_]), -1};
+      worst_ = wildest_part(system_, accelerations_[f_next_]);
       return StepStatus::not_finite;
     }
     if (next_work.bottomed_unit >= 0) {

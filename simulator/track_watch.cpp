@@ -122,7 +122,9 @@ SpanTension sprocket_span_tension(const System& system, const State& state, cons
 ToothCounter::ToothCounter(const System& system, const State& state, Side side) : side_(side) {
   const int body = system.sprocket_body[static_cast<std::size_t>(index_of(side))];
   start_angle_ = state.chassis.angle[body];
-  last_index_ = pin_index(system, state).value_or(0.0);
+  const std::optional<double> index = pin_index(system, state);
+  seen_ = index.has_value();
+  last_index_ = index.value_or(0.0);
 }
 
 /// Index of the pin line at the outermost point of the sprocket, between pins by their angles; none where no pin is
@@ -158,9 +160,15 @@ void ToothCounter::update(const System& system, const State& state) {
   const auto s = static_cast<std::size_t>(index_of(side_));
   const CompiledTrack& track = system.tracks[s];
   const int body = system.sprocket_body[s];
-  teeth_ = (state.chassis.angle[body] - start_angle_) * track.sprocket.teeth / (2.0 * k_pi);
   const std::optional<double> index = pin_index(system, state);
-  if (!index) return;
+  if (!index) return;  // links and teeth are told together, or a loop that stands off for a moment would be a jump
+  if (!seen_) {
+    seen_ = true;
+    start_angle_ = state.chassis.angle[body];
+    last_index_ = *index;
+    return;
+  }
+  teeth_ = (state.chassis.angle[body] - start_angle_) * track.sprocket.teeth / (2.0 * k_pi);
   links_ += std::remainder(*index - last_index_, track.num_links);
   last_index_ = *index;
 }

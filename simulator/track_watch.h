@@ -34,12 +34,13 @@ class ToothCounter {
   /// Its memory, for a checkpoint.
   template <typename Archive>
   void archive(Archive& a) {
-    a(last_index_, links_, teeth_, start_angle_);
+    a(seen_, last_index_, links_, teeth_, start_angle_);
   }
 
  private:
   [[nodiscard]] std::optional<double> pin_index(const System& system, const State& state) const;
   Side side_;
+  bool seen_ = false;  ///< a pin was in reach since the start
   double last_index_ = 0.0, links_ = 0.0, teeth_ = 0.0, start_angle_ = 0.0;
 };
 
