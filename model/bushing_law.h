@@ -35,18 +35,17 @@ template <typename B, typename T>
   }
 }
 
-/// Energy that a stop turns into heat over a step [J], >= 0: it slips by (z + dx) - z_next at the mean of the yields
-/// before and after, so that work = growth of storage + loss holds with the trapezoid of the force over every sliding
-/// step; exact for a constant yield, of second order in the step for one that grows.
-template <typename T, typename Yield>
-[[nodiscard]] inline T stop_dissipation(double stiffness, const T& z, const T& next_z, const T& dx,
-                                        const Yield& yield_before, const Yield& yield_after) {
-  using std::abs;
-  return T(0.5 * stiffness * (yield_before + yield_after) * abs(dx - (next_z - z)));
+/// How far a stop slipped in a step. It turns stiffness * yield * |slip| into heat, which is stiffness * next_z * slip,
+/// for a slipping stop ends at its yield. A yield that grows counts with the mean of before and after: then work =
+/// growth of storage + loss holds with the trapezoid of the force over every sliding step, of second order in the step.
+template <typename T>
+[[nodiscard]] inline T stop_slip(const T& z, const T& next_z, const T& dx) {
+  return (z + dx) - next_z;
 }
 
 /// Constants of a Maxwell branch for one step of length h: force' = decay * force + gain * dx, exact for a constant
-/// rate. Its work over the step is dx * (work_per_way * dx + gain_share * force), its energy compliance * force^2.
+/// rate. Its work over the step is dx * (work_per_way * dx + gain_share * force), its energy compliance * force^2;
+/// the difference of work and growth of energy is its loss.
 struct MaxwellStep {
   double decay = 1.0;         ///< exp(-h / tau)
   double gain = 0.0;          ///< stiffness * gain_share [N/m]
@@ -60,14 +59,6 @@ struct MaxwellStep {
   const bool some = ratio > 1e-12;
   const double share = some ? lost / ratio : 1.0;
   return {1.0 - lost, k * share, share, some ? k * (1.0 - share) / ratio : 0.5 * k, 0.5 / k};
-}
-
-/// Energy that a Maxwell branch turns into heat over one step of constant rate [J], >= 0 up to round-off.
-/// Work done on the branch less the growth of its stored energy.
-template <typename T>
-[[nodiscard]] inline T maxwell_dissipation(const MaxwellStep& step, const T& force, const T& next_force, const T& dx) {
-  return dx * (step.work_per_way * dx + step.gain_share * force) -
-         step.compliance * (next_force * next_force - force * force);
 }
 
 }  // namespace grouser

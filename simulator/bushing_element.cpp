@@ -11,27 +11,15 @@ struct SpringLanes {
   Lanes force, slope, energy;
 };
 
-/// Goes through the pieces up to the furthest of the eight displacements: rubber is seldom strained far, and to choose
-/// between a few pieces costs less than to fetch each lane's own.
 SpringLanes evaluate_spring(const CompiledSpring& spring, const Lanes& x) {
-  const Lanes at = spring.odd ? Lanes(x.abs()) : x;
-  const double furthest = at.maxCoeff();
-  const SpringPiece& first = spring.pieces.front();
-  const auto all = [](double value) { return Lanes(Lanes::Constant(value)); };
-  Lanes begin = all(first.begin), energy = all(first.energy);
-  std::array<Lanes, 4> c{all(first.cubic[0]), all(first.cubic[1]), all(first.cubic[2]), all(first.cubic[3])};
-  for (std::size_t p = 1; p < spring.pieces.size() && spring.pieces[p].begin <= furthest; ++p) {
-    const SpringPiece& piece = spring.pieces[p];
-    const LaneMask beyond = less_equal(all(piece.begin), at);
-    begin = choose(beyond, all(piece.begin), begin);
-    energy = choose(beyond, all(piece.energy), energy);
-    for (std::size_t k = 0; k < c.size(); ++k) c[k] = choose(beyond, all(piece.cubic[k]), c[k]);
-  }
-  const Lanes u = at - begin;
-  const Lanes force = c[0] + u * (c[1] + u * (c[2] + u * c[3]));
-  return {spring.odd ? choose(less(x, Lanes::Zero()), -force, force) : force,
-          c[1] + u * (2.0 * c[2] + u * (3.0 * c[3])),
-          energy + u * (c[0] + u * (0.5 * c[1] + u * ((1.0 / 3.0) * c[2] + u * (0.25 * c[3]))))};
+  const Lanes at = spring.odd ? x.abs() : x;
+  const LaneIndex piece = LaneIndex::of_piece(spring.begin, at);
+  const Lanes c0 = piece.in(spring.cubic[0]), c1 = piece.in(spring.cubic[1]);
+  const Lanes c2 = piece.in(spring.cubic[2]), c3 = piece.in(spring.cubic[3]);
+  const Lanes u = at - piece.in(spring.begin);
+  const Lanes force = c0 + u * (c1 + u * (c2 + u * c3));
+  return {spring.odd ? choose(x < 0.0, -force, force) : force, c1 + u * (2.0 * c2 + u * (3.0 * c3)),
+          piece.in(spring.energy) + u * (c0 + u * (0.5 * c1 + u * ((1.0 / 3.0) * c2 + u * (0.25 * c3))))};
 }
 
 /// Translation of the pin against the groove in the frame of own, and its rate there.
@@ -63,7 +51,7 @@ void rotate(const BodyLanes& own, const BodyLanes& next, ElementKinematics& k) {
   Lanes x = aw * bx + ax * bw + ay * bz - az * by;
   Lanes y = aw * by - ax * bz + ay * bw + az * bx;
   Lanes z = aw * bz + ax * by - ay * bx + az * bw;
-  const Lanes sign = choose(less(w, Lanes::Zero()), Lanes::Constant(-1.0), Lanes::Ones());
+  const Lanes sign = choose(w < 0.0, -1.0, 1.0);
   w *= sign, x *= sign, y *= sign, z *= sign;
 
   const Lanes n2 = w * w + y * y, n = n2.sqrt(), inverse_n = n.inverse(), inverse_n2 = inverse_n * inverse_n;
@@ -73,9 +61,9 @@ void rotate(const BodyLanes& own, const BodyLanes& next, ElementKinematics& k) {
   k.deflection[3] = 2.0 * a * inverse_n;
   k.deflection[5] = 2.0 * b * inverse_n;
 
-  const Lanes p = w * z + x * y, q = y * z - w * x, zero = Lanes::Zero();
+  const Lanes p = w * z + x * y, q = y * z - w * x, zero = 0.0;
   const Lanes a3 = a * inverse_n2 * inverse_n, b3 = b * inverse_n2 * inverse_n;
-  k.jacobian_ry = {p * inverse_n2, Lanes::Ones(), q * inverse_n2};
+  k.jacobian_ry = {p * inverse_n2, 1.0, q * inverse_n2};
   k.jacobian_rx = {(w * w - x * x - y * y + z * z) * inverse_n - a3 * q, zero,
                    2.0 * (w * y - x * z) * inverse_n + a3 * p};
   k.jacobian_rz = {-2.0 * (w * y + x * z) * inverse_n - b3 * q, zero,
@@ -102,35 +90,24 @@ struct AxisForce {
   Lanes force, stiffness, damping;  ///< restoring force, its dynamic tangents
 };
 
-/// Yields of an axis over those at displacement 0, when the step begins and when it ends: 1, or lanes of their own.
-template <typename Scale>
-struct YieldScales {
-  Scale before, after;
-};
-
-template <typename Scale>
-void add_stops(const AxisStep& step, const Lanes& dx, const YieldScales<Scale>& scales, AxisForce& sum,
-               ElementEnergy& energy) {
-  if (step.axis.stops.empty()) return;
+void add_stops(const AxisStep& step, const Lanes& dx, AxisForce& sum, ElementEnergy& energy) {
   const double* before = step.before.stop[step.axis.first_stop] + step.joint;
   double* after = step.after.stop[step.axis.first_stop] + step.joint;
-  Lanes force = Lanes::Zero(), stored = force, lost = force;  // of their own: a store may not touch them
+  Lanes force = 0.0, twice_stored = 0.0, lost = 0.0;
   double stiffness = 0.0;
   for (const FrictionStop& stop : step.axis.stops) {
-    const double k = stop.stiffness;
-    const Scale yield_before = stop.yield * scales.before, yield_after = stop.yield * scales.after;
-    const Lanes old = load(before), moved = advance_stop(old, dx, yield_after);
+    const Lanes old = load(before), moved = advance_stop(old, dx, stop.yield), f = stop.stiffness * moved;
     store(after, moved);
-    force += k * moved;
-    stiffness += k;
-    stored += (0.5 * k) * moved.square();
-    lost += stop_dissipation(k, old, moved, dx, yield_before, yield_after);
+    force += f;
+    stiffness += stop.stiffness;
+    twice_stored += f * moved;
+    lost += f * stop_slip(old, moved, dx);
     before += step.before.stop.length();
     after += step.after.stop.length();
   }
   sum.force += force;
   sum.stiffness += stiffness;
-  energy.stored += stored;
+  energy.stored += 0.5 * twice_stored;
   energy.step_loss += lost;
 }
 
@@ -139,36 +116,48 @@ void add_stops(const AxisStep& step, const Lanes& dx, const YieldScales<Scale>& 
 [[gnu::noinline]] void add_growing_stops(const AxisStep& step, const Lanes& x, const Lanes& dx, AxisForce& sum,
                                          ElementEnergy& energy) {
   const double growth = step.axis.yield_growth;
-  add_stops<Lanes>(step, dx, {yield_scale(growth, Lanes(x - dx)), yield_scale(growth, x)}, sum, energy);
+  const Lanes scale_before = yield_scale(growth, x - dx), scale_after = yield_scale(growth, x);
+  for (std::size_t s = 0; s < step.axis.stops.size(); ++s) {
+    const FrictionStop& stop = step.axis.stops[s];
+    const int row = step.axis.first_stop + static_cast<int>(s);
+    const Lanes yield = stop.yield * scale_after, mean_yield = 0.5 * stop.yield * (scale_before + scale_after);
+    const Lanes old = load(step.before.stop[row] + step.joint), moved = advance_stop(old, dx, yield);
+    store(step.after.stop[row] + step.joint, moved);
+    sum.force += stop.stiffness * moved;
+    sum.stiffness += stop.stiffness;
+    energy.stored += (0.5 * stop.stiffness) * moved.square();
+    energy.step_loss += stop.stiffness * mean_yield * stop_slip(old, moved, dx).abs();
+  }
 }
 
 void add_branches(const AxisStep& step, const Lanes& dx, AxisForce& sum, ElementEnergy& energy) {
-  if (step.axis.branches.empty()) return;
   const double* before = step.before.branch[step.axis.first_branch] + step.joint;
   double* after = step.after.branch[step.axis.first_branch] + step.joint;
-  Lanes force = Lanes::Zero(), stored = force, lost = force;
-  double stiffness = 0.0;
+  Lanes force = 0.0, carried = 0.0, stored = 0.0, stored_before = 0.0;
+  double stiffness = 0.0, work_per_way = 0.0;
   for (const MaxwellStep& branch : step.branch_step) {
     const Lanes old = load(before), moved = branch.decay * old + branch.gain * dx;
     store(after, moved);
     force += moved;
     stiffness += branch.gain;
+    work_per_way += branch.work_per_way;
+    carried += branch.gain_share * old;
     stored += branch.compliance * moved.square();
-    lost += maxwell_dissipation(branch, old, moved, dx);
+    stored_before += branch.compliance * old.square();
     before += step.before.branch.length();
     after += step.after.branch.length();
   }
   sum.force += force;
   sum.stiffness += stiffness;
   energy.stored += stored;
-  if (step.h > 0.0) energy.step_loss += lost;
+  if (step.h > 0.0) energy.step_loss += dx * (work_per_way * dx + carried) - (stored - stored_before);
 }
 
 /// Restoring force of one axis for eight joints, its memory moved on by the step.
 AxisForce axis_force(const AxisStep& step, const Lanes& x, const Lanes& dx, const Lanes& rate, ElementEnergy& energy) {
   const CompiledAxis& axis = step.axis;
   const SpringLanes spring = evaluate_spring(axis.spring, x);
-  AxisForce sum{spring.force, spring.slope, Lanes::Constant(axis.viscous)};
+  AxisForce sum{spring.force, spring.slope, axis.viscous};
   energy.stored += spring.energy;
   if (!step.memory) {
     constexpr double k_assembly_damping_time = 4e-5;  // s; damper of the relaxed rubber, c = time * tangent
@@ -177,7 +166,7 @@ AxisForce axis_force(const AxisStep& step, const Lanes& x, const Lanes& dx, cons
     if (axis.yield_growth > 0.0) {
       add_growing_stops(step, x, dx, sum, energy);
     } else {
-      add_stops<double>(step, dx, {1.0, 1.0}, sum, energy);
+      add_stops(step, dx, sum, energy);
     }
     add_branches(step, dx, sum, energy);
   }
@@ -195,10 +184,10 @@ struct Play {
 
   Play(double clearance, const Lanes& pin_x, const Lanes& pin_z) : x(pin_x), z(pin_z) {
     const Lanes r = (x * x + z * z).sqrt();
-    engaged = (r > clearance).cast<double>();
+    engaged = choose(r > clearance, 1.0, 0.0);
     const Lanes over = engaged / r.max(clearance);
     share = engaged - clearance * over;
-    gain = clearance * over.cube();
+    gain = clearance * over * over * over;
   }
   /// Jacobian of the felt deflection (symmetric) times (a, b): rates forth, forces back.
   void apply(Lanes& a, Lanes& b) const {
@@ -244,7 +233,7 @@ void add_worn_rubber(const RubberStep& step, const ElementKinematics& k, int joi
 void add_hinge_stop(const CompiledTrack& track, const Lanes& angle, RubberLoad& rubber) {
   const Lanes over = (angle - track.stop_angle).max(0.0);
   rubber.force[4] += track.stop_stiffness * over;
-  rubber.stiffness[4] += track.stop_stiffness * (over > 0.0).cast<double>();
+  rubber.stiffness[4] += choose(over > 0.0, track.stop_stiffness, 0.0);
   rubber.energy.stored += 0.5 * track.stop_stiffness * over.square();
 }
 
@@ -305,7 +294,7 @@ AxisLanes slipping_tangent(const RubberStep& step, const RubberLoad& rubber, int
       const int row = axis.first_stop + static_cast<int>(s);
       const Lanes trial = load(step.before.stop[row] + joint) + rubber.moved[a];
       const Lanes advanced = load(step.after.stop[row] + joint);
-      tangent[a] -= axis.stops[s].stiffness * (advanced != trial).cast<double>();
+      tangent[a] -= choose((advanced < trial) | (trial < advanced), axis.stops[s].stiffness, 0.0);
     }
   }
   return tangent;

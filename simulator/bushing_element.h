@@ -38,7 +38,7 @@ struct ElementKinematics {
 
 /// What the energy book takes from eight bushings.
 struct ElementEnergy {
-  Lanes stored = Lanes::Zero(), power = Lanes::Zero(), step_loss = Lanes::Zero();
+  Lanes stored = 0.0, power = 0.0, step_loss = 0.0;
 };
 
 /// Restoring forces dual to the deflections, their dynamic tangents (every stop taken as sticking) and energies.

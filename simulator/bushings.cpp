@@ -7,7 +7,7 @@
 namespace grouser {
 namespace {
 
-Lanes lane_mask(int valid) { return choose(LaneMask::first(valid), Lanes::Ones(), Lanes::Zero()); }
+Lanes lane_mask(int valid) { return choose(LaneMask::first(valid), 1.0, 0.0); }
 
 /// What the output and the stability bound take from eight bushings.
 void store_bushings(const ElementKinematics& k, const RubberLoad& rubber, int joint, double scale, Workspace& work) {
@@ -60,7 +60,7 @@ void single_pins(const RubberStep& step, const State& state, double scale, Works
 
 /// Lanes from `valid` on repeat the last valid one: the padding behind a track's last joint is no joint.
 void repeat_last(int valid, Lanes& lanes) {
-  for (int lane = valid; lane < k_lanes; ++lane) lanes[lane] = lanes[valid - 1];
+  for (int lane = valid; lane < k_lanes; ++lane) lanes.set(lane, lanes[valid - 1]);
 }
 void repeat_last(int valid, BodyLanes& bodies) {
   for (Lanes3* v : {&bodies.position, &bodies.x, &bodies.y, &bodies.z, &bodies.velocity, &bodies.angular_velocity}) {
@@ -88,7 +88,7 @@ void condense_tangents(const CompiledTrack& track, const DoublePinRows& rows, Wo
     store(field[2] + rows.front, in_series(at(2, rows.front), swing));
   };
   condense(work.joint_stiffness, load(work.bushing_force[0] + rows.front).max(0.0));
-  condense(work.joint_damping, Lanes::Zero());
+  condense(work.joint_damping, 0.0);
 }
 
 /// What reaches the two shoes. The connector has no mass: what its wrenches lack of cancelling, within the tolerance of

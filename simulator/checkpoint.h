@@ -86,9 +86,9 @@ void archive(Archive& a, std::string& text) {
   a.bytes(text.data(), text.size());
 }
 
-template <typename Archive, typename T>
+template <typename Archive, typename T, typename Allocator>
 requires std::is_arithmetic_v<T>
-void archive(Archive& a, std::vector<T>& values) {
+void archive(Archive& a, std::vector<T, Allocator>& values) {
   values.resize(a.size(values.size()));
   a.bytes(values.data(), values.size() * sizeof(T));
 }

@@ -264,24 +264,28 @@ double rate_coefficient(double restitution, double speed) {
 }
 
 CompiledSpring compile_spring(const SpringSpline& given) {
-  CompiledSpring spring;
-  spring.odd = is_odd(given);
-  const SpringSpline from = spring.odd ? positive_half(given) : given;
+  const bool odd = is_odd(given);
+  const SpringSpline from = odd ? positive_half(given) : given;
   const auto& x = from.displacement;
-  const auto straight = [&](std::size_t i) {
-    return SpringPiece{x[i], {from.force[i], from.slope[i], 0.0, 0.0}, stored_energy(from, x[i])};
+  std::vector<double> begin, energy;
+  std::array<std::vector<double>, 4> cubic;
+  const auto add_piece = [&](std::size_t i, double c2, double c3) {
+    begin.push_back(x[i]);
+    energy.push_back(stored_energy(from, x[i]));
+    const std::array<double, 4> c{from.force[i], from.slope[i], c2, c3};
+    for (std::size_t k = 0; k < c.size(); ++k) cubic[k].push_back(c[k]);
   };
-  if (!spring.odd) spring.pieces.push_back(straight(0));
+  if (!odd) add_piece(0, 0.0, 0.0);
   for (std::size_t i = 0; i + 1 < x.size(); ++i) {
     const double width = x[i + 1] - x[i], secant = (from.force[i + 1] - from.force[i]) / width;
     const double s0 = from.slope[i], s1 = from.slope[i + 1];
-    spring.pieces.push_back(
-        {x[i],
-         {from.force[i], s0, (3.0 * secant - 2.0 * s0 - s1) / width, (s0 + s1 - 2.0 * secant) / (width * width)},
-         stored_energy(from, x[i])});
+    add_piece(i, (3.0 * secant - 2.0 * s0 - s1) / width, (s0 + s1 - 2.0 * secant) / (width * width));
   }
-  spring.pieces.push_back(straight(x.size() - 1));
-  return spring;
+  add_piece(x.size() - 1, 0.0, 0.0);
+  return {odd,
+          LaneTable(begin),
+          {LaneTable(cubic[0]), LaneTable(cubic[1]), LaneTable(cubic[2]), LaneTable(cubic[3])},
+          LaneTable(energy)};
 }
 
 int padded_length(int num_links) { return (num_links + k_lanes - 1) / k_lanes * k_lanes + k_lanes; }

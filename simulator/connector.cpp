@@ -31,7 +31,7 @@ void put(Six& to, const Lanes3& force, const Lanes3& torque) {
 void add_spring(const Lanes3& linear, const Lanes3& angular, const Lanes& k, const Lanes& rate, const Six& motion,
                 Balance& balance) {
   const Six g{linear.x, linear.y, linear.z, angular.x, angular.y, angular.z};
-  Lanes own_rate = Lanes::Zero();
+  Lanes own_rate = 0.0;
   for (std::size_t i = 0; i < k_size; ++i) own_rate += g[i] * motion[i];
   for (std::size_t i = 0; i < k_size; ++i) {
     const Lanes kg = k * g[i];
@@ -57,7 +57,7 @@ void add_bushing(const BodyLanes& own, const BodyLanes& connector, const PinBush
   const ElementKinematics& k = bushing.kinematics;
   const ElementWrench& wrench = bushing.wrench;
   const Lanes3& r = k.pin_from_next;
-  const Lanes3 still{Lanes::Zero(), Lanes::Zero(), Lanes::Zero()};
+  const Lanes3 still{0.0, 0.0, 0.0};
   add_spring(own.x, cross(r, own.x), tangent[0], k.rate[0], motion, balance);
   add_spring(own.y, cross(r, own.y), tangent[1], k.rate[1], motion, balance);
   add_spring(own.z, cross(r, own.z), tangent[2], k.rate[2], motion, balance);
@@ -111,7 +111,7 @@ void set_orientation(const std::array<Lanes, 4>& q, BodyLanes& body) {
 
 void move(const Six& by, BodyLanes& body) {
   body.position = body.position + Lanes3{by[0], by[1], by[2]};
-  const std::array<Lanes, 4> turn{Lanes::Ones(), 0.5 * by[3], 0.5 * by[4], 0.5 * by[5]};
+  const std::array<Lanes, 4> turn{1.0, 0.5 * by[3], 0.5 * by[4], 0.5 * by[5]};
   set_orientation(product(turn, body.orientation), body);
 }
 
@@ -122,11 +122,11 @@ Balance balance_of(const RubberStep& step, const BodyLanes& link, const BodyLane
   constexpr double k_floor = 1e3, k_angular_floor = 1.0;  // N/m, N m/rad
   Balance balance;
   for (std::size_t i = 0; i < k_size; ++i) {
-    balance.stiffness[i].fill(Lanes::Zero());
-    balance.stiffness[i][i].setConstant(i < 3 ? k_floor : k_angular_floor);
+    balance.stiffness[i].fill(0.0);
+    balance.stiffness[i][i] = i < 3 ? k_floor : k_angular_floor;
   }
-  balance.wrench.fill(Lanes::Zero());
-  balance.wrench_rate.fill(Lanes::Zero());
+  balance.wrench.fill(0.0);
+  balance.wrench_rate.fill(0.0);
   const Lanes3 &v = joints.connector.velocity, &w = joints.connector.angular_velocity;
   const Six motion{v.x, v.y, v.z, w.x, w.y, w.z};
   add_bushing(link, joints.connector, joints.front, slipping_tangent(step, joints.front.rubber, rows.front), motion,
@@ -138,7 +138,7 @@ Balance balance_of(const RubberStep& step, const BodyLanes& link, const BodyLane
 
 /// Largest component of every joint's correction, in tolerances.
 Lanes size_of(const Six& correction) {
-  Lanes largest = Lanes::Zero();
+  Lanes largest = 0.0;
   for (std::size_t i = 0; i < k_size; ++i) {
     largest = largest.max(correction[i].abs() / (i < 3 ? k_position_tolerance : k_angle_tolerance));
   }
@@ -166,7 +166,7 @@ BodyLanes connectors_in_line(const CompiledTrack& track, const BodyLanes& link, 
 
   const auto &p = link.orientation, &q = next.orientation;
   const Lanes cosine = p[0] * q[0] + p[1] * q[1] + p[2] * q[2] + p[3] * q[3];
-  const Lanes sign = (cosine < 0.0).select(Lanes::Constant(-1.0), Lanes::Constant(1.0));
+  const Lanes sign = choose(cosine < 0.0, -1.0, 1.0);
   set_orientation({p[0] + sign * q[0], p[1] + sign * q[1], p[2] + sign * q[2], p[3] + sign * q[3]}, connector);
   // The turn about the half-way y axis that brings x into line with the bores.
   const Lanes3 line = next_bore - bore;
@@ -174,7 +174,7 @@ BodyLanes connectors_in_line(const CompiledTrack& track, const BodyLanes& link, 
   const Lanes length = (along * along + above * above).sqrt();
   const Lanes cos_half = (0.5 * (1.0 + along / length)).sqrt();
   const Lanes sin_half = -0.5 * above / (length * cos_half);
-  set_orientation(product(connector.orientation, {cos_half, Lanes::Zero(), sin_half, Lanes::Zero()}), connector);
+  set_orientation(product(connector.orientation, {cos_half, 0.0, sin_half, 0.0}), connector);
   return connector;
 }
 
@@ -194,10 +194,10 @@ DoublePinJoints balance_connectors(const RubberStep& step, const BodyLanes& link
     factorise(balance.stiffness);
     solve(balance.stiffness, balance.wrench);
     const Lanes off = size_of(balance.wrench);
-    if (corrections > 0 && (off.head(valid) <= 1.0).all()) return joints;
+    if (corrections > 0 && bits_of((off <= 1.0) | !LaneMask::first(valid)) == k_all_lanes) return joints;
     if (corrections == k_most_corrections) {
       constexpr double k_none = std::numeric_limits<double>::quiet_NaN();
-      joints.front.wrench.force.x = (off <= k_lost).select(joints.front.wrench.force.x, Lanes::Constant(k_none));
+      joints.front.wrench.force.x = choose(off <= k_lost, joints.front.wrench.force.x, k_none);
       return joints;
     }
     solve(balance.stiffness, balance.wrench_rate);

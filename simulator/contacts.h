@@ -69,11 +69,11 @@ inline void count_case(Workspace& work, ContactCase which, unsigned lanes) {
 template <typename Visit>
 void for_links_within(const CompiledTrack& track, const State& state, const Vector3d& center, double radius, int ahead,
                       Visit visit) {
-  const Lanes largest = Lanes::Constant(radius * radius);
+  const Lanes largest = radius * radius;
   const int end = track.offset + track.num_links;
   const auto within = [&](int first) {
     const Lanes3 apart = load3(state.position, first + ahead) - in_all_lanes(center);
-    return less_equal(dot(apart, apart), largest) & LaneMask::first(end - first);
+    return (dot(apart, apart) <= largest) & LaneMask::first(end - first);
   };
   for (int first = track.offset; first < end; first += k_lanes) {
     LaneMask near = within(first);

@@ -5,8 +5,8 @@ namespace {
 
 /// What the contacts of one track leave to be summed over lanes at its end.
 struct TrackSums {
-  Lanes energy = Lanes::Zero(), contact_power = Lanes::Zero(), friction_power = Lanes::Zero();
-  Lanes guide_offset = Lanes::Zero();
+  Lanes energy = 0.0, contact_power = 0.0, friction_power = 0.0;
+  Lanes guide_offset = 0.0;
 };
 
 /// A disc pair met by eight links in a row, each in its own link frame L.
@@ -36,8 +36,8 @@ Patch foundation(const Lanes& depth, double radius, const Lanes& from, const Lan
   constexpr double k_least_area = 1e-200;
   const double curvature = 1.0 / radius;
   const Lanes reach = (2.0 * radius * depth).sqrt();
-  const Lanes begin = from.max(-reach), end = to.min(reach), none = Lanes::Zero();
-  const LaneMask over_plate = less(begin, end);
+  const Lanes begin = from.max(-reach), end = to.min(reach), none = 0.0;
+  const LaneMask over_plate = begin < end;
   const Lanes a = choose(over_plate, begin, none), b = choose(over_plate, end, none), width = b - a;
   const Lanes a2 = a * a, b2 = b * b, a3 = a2 * a, b3 = b2 * b, cubes = b3 - a3;
   const Lanes area = (depth * width - (curvature / 6.0) * cubes).max(0.0);
@@ -54,11 +54,10 @@ unsigned touch_path(const Meeting& m, double stiffness, double lateral, LinkLoad
   const CompiledContact& law = m.discs.contact;
   const double half = 0.5 * track.pitch, radius = m.discs.radius, path = track.wheel_path_height;
   const Lanes3 arm = lateral * m.axle, disc = m.center + arm;
-  const LaneMask above =
-      m.near & less_equal(Lanes::Zero(), disc.z) & less_equal(disc.y.abs(), Lanes::Constant(track.half_width));
-  const Lanes depth = choose(above, (path + radius) - disc.z, Lanes::Zero()).max(0.0);
+  const LaneMask above = m.near & (0.0 <= disc.z) & (disc.y.abs() <= track.half_width);
+  const Lanes depth = choose(above, (path + radius) - disc.z, 0.0).max(0.0);
   const Patch patch = foundation(depth, radius, -half - disc.x, half - disc.x);
-  const unsigned touching = bits_of(less(Lanes::Zero(), patch.force_z));
+  const unsigned touching = bits_of(0.0 < patch.force_z);
   if (touching == 0) return 0;
 
   const Lanes3 rate = m.velocity + cross(m.spin, arm);
@@ -67,12 +66,12 @@ unsigned touch_path(const Meeting& m, double stiffness, double lateral, LinkLoad
   const Lanes closing = -(fx * rate.x + fz * rate.z) / elastic.max(k_least_force);
   const Lanes factor = normal_factor(law, closing), normal = elastic * factor;
 
-  const Lanes3 place{disc.x + patch.center, disc.y, Lanes::Constant(path)};
+  const Lanes3 place{disc.x + patch.center, disc.y, path};
   const Lanes3 slip = m.velocity + cross(m.spin, place - m.center);
   const Lanes slip2 = slip.x * slip.x + slip.y * slip.y;
   const Lanes q = sliding_friction(law, normal, slip2);
-  load.add(disc, {-fx * factor, Lanes::Zero(), -fz * factor});
-  load.add(place, {q * slip.x, q * slip.y, Lanes::Zero()});
+  load.add(disc, {-fx * factor, 0.0, -fz * factor});
+  load.add(place, {q * slip.x, q * slip.y, 0.0});
 
   const double moving = 1.0 / track.mass, pitching = 1.0 / track.inertia.y(), rolling = 1.0 / track.inertia.x();
   const Lanes steepest = steepest_friction(law, normal);
@@ -93,23 +92,23 @@ unsigned touch_path(const Meeting& m, double stiffness, double lateral, LinkLoad
 /// touched.
 unsigned touch_guide(const Meeting& m, LinkLoads& load, TrackSums& sums, Workspace& work) {
   const CompiledTrack& track = m.track;
-  const Lanes zero = Lanes::Zero(), one = Lanes::Ones(), aside = m.center.y.abs();
+  const Lanes zero = 0.0, one = 1.0, aside = m.center.y.abs();
   const Lanes weight = 1.0 - (1.0 / track.pitch) * m.center.x.abs();
   const Lanes s = m.center.z - (m.discs.radius + track.wheel_path_height), overlap = track.guide_height - s;
-  const LaneMask engaged = m.near & less(zero, weight) & less(zero, overlap) & less_equal(zero, m.center.z);
+  const LaneMask engaged = m.near & (zero < weight) & (zero < overlap) & (zero <= m.center.z);
   sums.guide_offset = sums.guide_offset.max(choose(engaged, aside, zero));
 
   const double slope = (track.guide_half_base - track.guide_half_top) / track.guide_height;
-  const Lanes taper = choose(less(zero, s), slope * one, zero);
+  const Lanes taper = choose(zero < s, slope * one, zero);
   const Lanes wall = aside + (track.guide_half_base - m.discs.half_gap) - taper * s;
-  const LaneMask touching = engaged & less(zero, wall), top = less(overlap, wall), pair_left = less(zero, m.center.y);
+  const LaneMask touching = engaged & (zero < wall), top = overlap < wall, pair_left = zero < m.center.y;
   const unsigned touched = bits_of(touching);
   if (touched == 0) return 0;
 
   const Lanes depth = choose(touching, overlap.min(wall), zero), k = track.guide.stiffness * weight;
   const Lanes normal = k * depth, along = 0.5 * track.guide.stiffness / track.pitch * depth * depth;
-  const Lanes3 force{choose(less(zero, m.center.x), along, -along),
-                     choose(top, zero, choose(pair_left, -normal, normal)), choose(top, normal, taper * normal)};
+  const Lanes3 force{choose(zero < m.center.x, along, -along), choose(top, zero, choose(pair_left, -normal, normal)),
+                     choose(top, normal, taper * normal)};
   const Lanes elastic = dot(force, force).sqrt();
   const Lanes closing = -dot(force, m.velocity) / elastic.max(k_least_force);
   const Lanes factor = normal_factor(track.guide, closing);
@@ -137,7 +136,7 @@ void meet_path(const Meeting& m, double stiffness, const State& state, TrackSums
   const unsigned outer = touch_path(m, stiffness, outwards, load, sums, work);
   if ((inner | outer) == 0) return;
   push_apart(m, load, m.discs.partner, state, work);
-  const unsigned edge = bits_of(less(Lanes::Constant(0.5 * m.track.pitch), m.center.x.abs()));
+  const unsigned edge = bits_of(0.5 * m.track.pitch < m.center.x.abs());
   count_case(work, ContactCase::one_disc_on_plate, (inner ^ outer) & ~edge);
   count_case(work, ContactCase::two_discs_on_plate, inner & outer & ~edge);
   count_case(work, ContactCase::one_disc_on_edge, (inner ^ outer) & edge);
@@ -177,7 +176,7 @@ void track_discs(const CompiledTrack& track, double stiffness_scale, const State
   work.energy.contact_power += sums.contact_power.sum();
   work.energy.friction_power += sums.friction_power.sum();
   double& offset = work.lateral_guide_offset[static_cast<std::size_t>(index_of(track.side))];
-  offset = std::max(offset, sums.guide_offset.maxCoeff());
+  offset = std::max(offset, sums.guide_offset.max_lane());
 }
 
 }  // namespace

@@ -17,8 +17,8 @@ struct GroundPoint {
 
 /// What the contacts of one track leave to be summed over lanes at its end.
 struct Sums {
-  Lanes energy = Lanes::Zero(), contact_power = Lanes::Zero(), ground_power = Lanes::Zero();
-  Lanes step_loss = Lanes::Zero();
+  Lanes energy = 0.0, contact_power = 0.0, ground_power = 0.0;
+  Lanes step_loss = 0.0;
 };
 
 /// Contact frame C on level ground: W itself.
@@ -31,7 +31,7 @@ struct LevelFrame {
 struct TiltedFrame {
   explicit TiltedFrame(const Lanes3& normal) : z(normal) {
     const Lanes scale = (normal.z * normal.z + normal.x * normal.x).sqrt().inverse();
-    x = {scale * normal.z, Lanes::Zero(), -scale * normal.x};
+    x = {scale * normal.z, 0.0, -scale * normal.x};
     y = cross(z, x);
   }
   [[nodiscard]] Lanes3 to_contact(const Lanes3& v_W) const { return {dot(x, v_W), dot(y, v_W), dot(z, v_W)}; }
@@ -46,8 +46,8 @@ template <typename Frame>
 Lanes3 anchor_before(const GroundPoint& g, const Frame& frame, const History& before, const LaneMask& held,
                      const Lanes3& velocity_C, const Lanes& depth) {
   const Lanes closing = -velocity_C.z;
-  const Lanes since_touch = choose(less(depth, closing * g.h), depth / closing, Lanes::Constant(g.h));
-  const Lanes3 way = frame.to_world(Lanes3{since_touch * velocity_C.x, since_touch * velocity_C.y, Lanes::Zero()});
+  const Lanes since_touch = choose(depth < closing * g.h, depth / closing, g.h);
+  const Lanes3 way = frame.to_world(Lanes3{since_touch * velocity_C.x, since_touch * velocity_C.y, 0.0});
   const Lanes3 anchor{load(before.anchor_x[g.row] + g.first), load(before.anchor_y[g.row] + g.first),
                       load(before.anchor_z[g.row] + g.first)};
   return choose(held, anchor, g.point - way);
@@ -68,11 +68,11 @@ struct Bristle {
 Bristle bend(const CompiledTrack& track, const Lanes& x, const Lanes& y, const Lanes3& v, const Lanes& limit) {
   const double k = track.bristle_stiffness, c = track.bristle_damping;
   const Lanes spring = k * (x * x + y * y).sqrt();
-  const LaneMask drawn = less(limit, spring);
-  const Lanes left = choose(drawn, limit / spring, Lanes::Ones());
+  const LaneMask drawn = limit < spring;
+  const Lanes left = choose(drawn, limit / spring, 1.0);
   const Lanes sx = left * x, sy = left * y, fx = -k * sx - c * v.x, fy = -k * sy - c * v.y;
   const Lanes wanted = (fx * fx + fy * fy).sqrt();
-  const Lanes granted = choose(less(limit, wanted), limit / wanted, Lanes::Ones());
+  const Lanes granted = choose(limit < wanted, limit / wanted, 1.0);
   return {sx, sy, granted * fx, granted * fy, drawn};
 }
 
@@ -84,10 +84,10 @@ void add_stability(const GroundPoint& g, const LaneMask& touching, const Lanes& 
   const double mobility_n =
       1.0 / track.mass + g.place_L.x() * g.place_L.x() * pitching + g.place_L.y() * g.place_L.y() * rolling;
   const double stiffness = track.ground.stiffness * mobility_n + track.bristle_stiffness * mobility_t;
-  const Lanes zero = Lanes::Zero();
-  add_to(work.stability[0] + g.first, choose(touching, Lanes::Constant(stiffness), zero));
-  add_to(work.stability[1] + g.first, (track.ground.rate / track.mass) * elastic +
-                                          choose(touching, Lanes::Constant(track.bristle_damping * mobility_t), zero));
+  const Lanes zero = 0.0;
+  add_to(work.stability[0] + g.first, choose(touching, stiffness, zero));
+  add_to(work.stability[1] + g.first,
+         (track.ground.rate / track.mass) * elastic + choose(touching, track.bristle_damping * mobility_t, zero));
 }
 
 /// Points `depth` [m] below the ground's surface along the normal of `frame`, 0 where they are not.
@@ -95,10 +95,10 @@ template <typename Frame>
 void press(const GroundPoint& g, const Frame& frame, const Lanes& depth, const History& before, History& after,
            LinkLoads& load_W, Sums& sums, Workspace& work) {
   const CompiledTrack& track = g.track;
-  const Lanes zero = Lanes::Zero(), half = Lanes::Constant(0.5);
-  const LaneMask touching = less(zero, depth), held = less(half, load(before.anchored[g.row] + g.first));
+  const Lanes zero = 0.0, half = 0.5;
+  const LaneMask touching = zero < depth, held = half < load(before.anchored[g.row] + g.first);
   const double k = track.bristle_stiffness;
-  store(after.anchored[g.row] + g.first, choose(touching, Lanes::Ones(), zero));
+  store(after.anchored[g.row] + g.first, choose(touching, 1.0, zero));
   if (bits_of(touching | held) == 0) return;
   const Lanes old_sx = choose(held, load(before.stretch_x[g.row] + g.first), zero);
   const Lanes old_sy = choose(held, load(before.stretch_y[g.row] + g.first), zero);
@@ -176,16 +176,16 @@ Touch touch_half_rounds(const GroundSurface& ground, const Vector3d& point) {
 template <typename Find>
 void press_uneven(const GroundPoint& g, const LaneMask& near, Find find, const History& before, History& after,
                   LinkLoads& load_W, Sums& sums, Workspace& work) {
-  Lanes depth = Lanes::Zero();
+  Lanes depth = 0.0;
   Lanes3 normal = in_all_lanes(Vector3d::UnitZ());
   for (unsigned left = bits_of(near); left != 0; left &= left - 1) {
     const int lane = std::countr_zero(left);
     const Touch touch = find(Vector3d(g.point.x[lane], g.point.y[lane], g.point.z[lane]));
     if (touch.depth <= 0.0) continue;
-    depth[lane] = touch.depth;
-    normal.x[lane] = touch.normal.x();
-    normal.y[lane] = touch.normal.y();
-    normal.z[lane] = touch.normal.z();
+    depth.set(lane, touch.depth);
+    normal.x.set(lane, touch.normal.x());
+    normal.y.set(lane, touch.normal.y());
+    normal.z.set(lane, touch.normal.z());
   }
   press(g, TiltedFrame(normal), depth, before, after, load_W, sums, work);
 }
@@ -194,19 +194,18 @@ void press_uneven(const GroundPoint& g, const LaneMask& near, Find find, const H
 LaneMask links_near(const GroundSurface& ground, const CompiledTrack& track, int first, const State& state,
                     const Workspace& work) {
   const double near = std::hypot(track.ground_depth, 0.5 * track.pitch) + 0.02;
-  Lanes highest = Lanes::Zero();
+  Lanes highest = 0.0;
   for (int lane = 0; lane < k_lanes && !ground.level(); ++lane) {
-    highest[lane] = ground.highest_near(state.position[0][first + lane], state.position[1][first + lane]);
+    highest.set(lane, ground.highest_near(state.position[0][first + lane], state.position[1][first + lane]));
   }
   const Lanes reach = near + track.half_width * load(work.rotation[7] + first).abs();
-  return less_equal(load(state.position[2] + first), highest + reach) &
-         LaneMask::first(track.offset + track.num_links - first);
+  return (load(state.position[2] + first) <= highest + reach) & LaneMask::first(track.offset + track.num_links - first);
 }
 
 /// Of the places of one point on eight links: the edge of a zone may lie under a link.
 Lanes friction_at(const GroundSurface& ground, const Lanes3& place) {
   Lanes friction;
-  for (int lane = 0; lane < k_lanes; ++lane) friction[lane] = ground.friction(place.x[lane], place.y[lane]);
+  for (int lane = 0; lane < k_lanes; ++lane) friction.set(lane, ground.friction(place.x[lane], place.y[lane]));
   return friction;
 }
 
@@ -225,7 +224,7 @@ void meet_ground(const GroundSurface& ground, const CompiledTrack& track, int fi
     const Lanes3 at = position + arm;
     GroundPoint point{track, h, p, first, friction_at(ground, at), place_L, arm, at, velocity + cross(turn, arm)};
     if (ground.level()) {
-      const Lanes depth = choose(near, -point.point.z, Lanes::Zero()).max(0.0);
+      const Lanes depth = choose(near, -point.point.z, 0.0).max(0.0);
       press(point, LevelFrame{}, depth, before, state.history, load_W, sums, work);
       continue;
     }

@@ -28,9 +28,9 @@ struct SineCosine {
                                       z * (-2.75573143513906633035e-07 +
                                            z * (2.08757232129817482790e-09 - z * 1.13596475577881948265e-11)))));
   const Lanes in_turn = quarter - 4.0 * (0.25 * quarter).floor();  // quarter turns: 0, 1, 2 or 3
-  const LaneMask odd = less(Lanes::Constant(0.5), in_turn - 2.0 * (0.5 * in_turn).floor());
-  const LaneMask sine_falls = less(Lanes::Constant(1.5), in_turn);
-  const LaneMask cosine_negative = less((in_turn - 1.5).abs(), Lanes::Ones());
+  const LaneMask odd = 0.5 < in_turn - 2.0 * (0.5 * in_turn).floor();
+  const LaneMask sine_falls = 1.5 < in_turn;
+  const LaneMask cosine_negative = (in_turn - 1.5).abs() < 1.0;
   const Lanes s = choose(odd, cosine, sine), c = choose(odd, sine, cosine);
   return {choose(sine_falls, -s, s), choose(cosine_negative, -c, c)};
 }

@@ -1,7 +1,11 @@
 #pragma once
+#ifdef __AVX512DQ__
+#include <immintrin.h>
+#endif
+
 #include <Eigen/Core>
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -12,59 +16,206 @@
 namespace grouser {
 
 inline constexpr int k_lanes = 8;
-using Lanes = Eigen::Array<double, k_lanes, 1>;
+inline constexpr unsigned k_all_lanes = 0xff;  ///< of bits_of(mask)
 
-[[nodiscard]] inline Lanes load(const double* from) { return Eigen::Map<const Lanes>(from); }
-inline void store(double* to, const Lanes& value) { Eigen::Map<Lanes>{to} = value; }
-inline void add_to(double* to, const Lanes& value) { Eigen::Map<Lanes>{to} += value; }
-
-/// Yes or no for each of eight lanes: all bits of a lane set or none. Compared and chosen by the compiler's own
-/// vectors, for Eigen 3.4 takes such arrays apart lane by lane.
-class LaneMask {
+/// Eight doubles in the compiler's own vector type, which it keeps in registers; arrays of a linear algebra library are
+/// aggregates that GCC 12 spills at every loop. Where AVX-512 has one instruction that the compiler does not find, it
+/// is named.
+class Lanes {
  public:
-  /// Yes for the lanes from 0 to count - 1.
-  [[nodiscard]] static LaneMask first(int count) {
-    return LaneMask(Bits{0, 1, 2, 3, 4, 5, 6, 7} < Bits{} + static_cast<std::int64_t>(count));
+  using Values [[gnu::vector_size(k_lanes * sizeof(double))]] = double;
+
+  Lanes() = default;
+  Lanes(const Values& values) : values_(values) {}
+  /// The same number in every lane.
+  Lanes(double v) : values_{v, v, v, v, v, v, v, v} {}
+  [[nodiscard]] const Values& values() const { return values_; }
+  [[nodiscard]] double operator[](int lane) const { return values_[lane]; }
+  void set(int lane, double value) { values_[lane] = value; }
+
+  friend Lanes operator+(const Lanes& a, const Lanes& b) { return a.values_ + b.values_; }
+  friend Lanes operator-(const Lanes& a, const Lanes& b) { return a.values_ - b.values_; }
+  friend Lanes operator*(const Lanes& a, const Lanes& b) { return a.values_ * b.values_; }
+  friend Lanes operator/(const Lanes& a, const Lanes& b) { return a.values_ / b.values_; }
+  friend Lanes operator-(const Lanes& a) { return -a.values_; }
+  Lanes& operator+=(const Lanes& b) { return values_ += b.values_, *this; }
+  Lanes& operator-=(const Lanes& b) { return values_ -= b.values_, *this; }
+  Lanes& operator*=(const Lanes& b) { return values_ *= b.values_, *this; }
+  Lanes& operator/=(const Lanes& b) { return values_ /= b.values_, *this; }
+
+  [[nodiscard]] Lanes square() const { return values_ * values_; }
+  [[nodiscard]] Lanes inverse() const { return 1.0 / values_; }
+#ifdef __AVX512DQ__
+  [[nodiscard]] Lanes min(const Lanes& b) const { return Values(_mm512_min_pd(values_, b.values_)); }
+  [[nodiscard]] Lanes max(const Lanes& b) const { return Values(_mm512_max_pd(values_, b.values_)); }
+  [[nodiscard]] Lanes abs() const { return Values(_mm512_abs_pd(values_)); }
+  [[nodiscard]] Lanes sqrt() const { return Values(_mm512_sqrt_pd(values_)); }
+  /// To the nearest whole number, halves to the even one.
+  [[nodiscard]] Lanes rint() const { return Values(_mm512_roundscale_pd(values_, _MM_FROUND_TO_NEAREST_INT)); }
+  [[nodiscard]] Lanes floor() const { return Values(_mm512_roundscale_pd(values_, _MM_FROUND_TO_NEG_INF)); }
+#else
+  /// The second of both where one is no number, as processors do.
+  [[nodiscard]] Lanes min(const Lanes& b) const { return values_ < b.values_ ? values_ : b.values_; }
+  [[nodiscard]] Lanes max(const Lanes& b) const { return values_ > b.values_ ? values_ : b.values_; }
+  [[nodiscard]] Lanes abs() const {
+    return each([](double x) { return std::abs(x); });
   }
-  [[nodiscard]] static LaneMask less(const Lanes& a, const Lanes& b) { return LaneMask(values(a) < values(b)); }
-  [[nodiscard]] static LaneMask less_equal(const Lanes& a, const Lanes& b) { return LaneMask(values(a) <= values(b)); }
-  friend LaneMask operator&(const LaneMask& a, const LaneMask& b) { return LaneMask(a.bits() & b.bits()); }
-  friend LaneMask operator|(const LaneMask& a, const LaneMask& b) { return LaneMask(a.bits() | b.bits()); }
-  friend LaneMask operator!(const LaneMask& a) { return LaneMask(~a.bits()); }
-  /// `yes` where the mask says so, else `no`.
-  friend Lanes choose(const LaneMask& mask, const Lanes& yes, const Lanes& no) {
-    const Values chosen = mask.bits() ? values(yes) : values(no);
-    Lanes result;
-    std::memcpy(result.data(), &chosen, sizeof(Lanes));
-    return result;
+  [[nodiscard]] Lanes sqrt() const {
+    return each([](double x) { return std::sqrt(x); });
   }
-  /// Bit k of the result stands for lane k.
-  friend unsigned bits_of(const LaneMask& mask) {
-    const Bits set = mask.bits() & Bits{1, 2, 4, 8, 16, 32, 64, 128};
-    std::int64_t sum = 0;
-    for (int lane = 0; lane < k_lanes; ++lane) sum |= set[lane];
-    return static_cast<unsigned>(sum);
+  /// To the nearest whole number, halves to the even one.
+  [[nodiscard]] Lanes rint() const {
+    return each([](double x) { return std::rint(x); });
+  }
+  [[nodiscard]] Lanes floor() const {
+    return each([](double x) { return std::floor(x); });
+  }
+#endif
+  [[nodiscard]] double sum() const {
+    const Half four = halves(0) + halves(1);
+    return (four[0] + four[2]) + (four[1] + four[3]);
+  }
+  [[nodiscard]] double max_lane() const {
+    const Half a = halves(0), b = halves(1), four = a > b ? a : b;
+    return std::max(std::max(four[0], four[1]), std::max(four[2], four[3]));
   }
 
  private:
-  using Values [[gnu::vector_size(sizeof(Lanes))]] = double;
-  using Bits [[gnu::vector_size(sizeof(Lanes))]] = std::int64_t;
-  explicit LaneMask(const Bits& bits) { std::memcpy(lane_.data(), &bits, sizeof(Lanes)); }
-  [[nodiscard]] static Values values(const Lanes& x) {
-    Values result;
-    std::memcpy(&result, x.data(), sizeof(Lanes));
+  using Half [[gnu::vector_size(k_lanes / 2 * sizeof(double))]] = double;
+  [[nodiscard]] Half halves(int which) const {
+    Half half;
+    std::memcpy(&half, reinterpret_cast<const char*>(&values_) + which * sizeof(Half), sizeof(Half));
+    return half;
+  }
+  template <typename Function>
+  [[nodiscard]] Lanes each(Function f) const {
+    Lanes result;
+    for (int lane = 0; lane < k_lanes; ++lane) result.values_[lane] = f(values_[lane]);
     return result;
   }
-  [[nodiscard]] Bits bits() const {
-    Bits result;
-    std::memcpy(&result, lane_.data(), sizeof(Lanes));
-    return result;
-  }
-  alignas(Lanes) std::array<std::int64_t, k_lanes> lane_;
+  Values values_;
 };
 
-[[nodiscard]] inline LaneMask less(const Lanes& a, const Lanes& b) { return LaneMask::less(a, b); }
-[[nodiscard]] inline LaneMask less_equal(const Lanes& a, const Lanes& b) { return LaneMask::less_equal(a, b); }
+/// Eight numbers at any place of an array.
+[[nodiscard]] inline Lanes load(const double* from) {
+  Lanes::Values values;
+  std::memcpy(&values, from, sizeof(values));
+  return values;
+}
+inline void store(double* to, const Lanes& value) { std::memcpy(to, &value.values(), sizeof(Lanes)); }
+inline void add_to(double* to, const Lanes& value) { store(to, load(to) + value); }
+
+/// Yes or no for each of eight lanes.
+class LaneMask {
+ public:
+#ifdef __AVX512DQ__
+  using Bits = __mmask8;
+#else
+  using Bits [[gnu::vector_size(sizeof(Lanes))]] = std::int64_t;
+#endif
+  explicit LaneMask(const Bits& bits) : bits_(bits) {}
+  /// Yes for the lanes from 0 to count - 1.
+  [[nodiscard]] static LaneMask first(int count);
+  [[nodiscard]] const Bits& bits() const { return bits_; }
+
+ private:
+  Bits bits_;
+};
+
+#ifdef __AVX512DQ__
+[[nodiscard]] inline LaneMask operator<(const Lanes& a, const Lanes& b) {
+  return LaneMask(_mm512_cmp_pd_mask(a.values(), b.values(), _CMP_LT_OQ));
+}
+[[nodiscard]] inline LaneMask operator<=(const Lanes& a, const Lanes& b) {
+  return LaneMask(_mm512_cmp_pd_mask(a.values(), b.values(), _CMP_LE_OQ));
+}
+[[nodiscard]] inline LaneMask operator&(const LaneMask& a, const LaneMask& b) {
+  return LaneMask(_kand_mask8(a.bits(), b.bits()));
+}
+[[nodiscard]] inline LaneMask operator|(const LaneMask& a, const LaneMask& b) {
+  return LaneMask(_kor_mask8(a.bits(), b.bits()));
+}
+[[nodiscard]] inline LaneMask operator!(const LaneMask& a) { return LaneMask(_knot_mask8(a.bits())); }
+/// `yes` where the mask says so, else `no`.
+[[nodiscard]] inline Lanes choose(const LaneMask& mask, const Lanes& yes, const Lanes& no) {
+  return Lanes::Values(_mm512_mask_blend_pd(mask.bits(), no.values(), yes.values()));
+}
+/// Bit k of the result stands for lane k.
+[[nodiscard]] inline unsigned bits_of(const LaneMask& mask) { return mask.bits(); }
+#else
+[[nodiscard]] inline LaneMask operator<(const Lanes& a, const Lanes& b) { return LaneMask(a.values() < b.values()); }
+[[nodiscard]] inline LaneMask operator<=(const Lanes& a, const Lanes& b) { return LaneMask(a.values() <= b.values()); }
+[[nodiscard]] inline LaneMask operator&(const LaneMask& a, const LaneMask& b) { return LaneMask(a.bits() & b.bits()); }
+[[nodiscard]] inline LaneMask operator|(const LaneMask& a, const LaneMask& b) { return LaneMask(a.bits() | b.bits()); }
+[[nodiscard]] inline LaneMask operator!(const LaneMask& a) { return LaneMask(~a.bits()); }
+/// `yes` where the mask says so, else `no`.
+[[nodiscard]] inline Lanes choose(const LaneMask& mask, const Lanes& yes, const Lanes& no) {
+  return mask.bits() ? yes.values() : no.values();
+}
+/// Bit k of the result stands for lane k.
+[[nodiscard]] inline unsigned bits_of(const LaneMask& mask) {
+  const LaneMask::Bits set = mask.bits() & LaneMask::Bits{1, 2, 4, 8, 16, 32, 64, 128};
+  std::int64_t sum = 0;
+  for (int lane = 0; lane < k_lanes; ++lane) sum |= set[lane];
+  return static_cast<unsigned>(sum);
+}
+#endif
+[[nodiscard]] inline LaneMask operator>(const Lanes& a, const Lanes& b) { return b < a; }
+[[nodiscard]] inline LaneMask operator>=(const Lanes& a, const Lanes& b) { return b <= a; }
+inline LaneMask LaneMask::first(int count) {
+  return Lanes(Lanes::Values{0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0}) < Lanes(count);
+}
+
+/// Numbers to be looked up, eight places at once.
+class LaneTable {
+ public:
+  LaneTable() = default;
+  explicit LaneTable(const std::vector<double>& values)
+      : size_(static_cast<int>(values.size())), values_(std::max<std::size_t>(values.size(), 2 * k_lanes), 0.0) {
+    std::copy(values.begin(), values.end(), values_.begin());
+  }
+  [[nodiscard]] int size() const { return size_; }
+  [[nodiscard]] double operator[](int i) const { return values_[static_cast<std::size_t>(i)]; }
+  [[nodiscard]] const double* data() const { return values_.data(); }
+
+ private:
+  int size_ = 0;
+  std::vector<double> values_;  ///< at least two blocks of lanes, which processors can choose from at once
+};
+
+/// A place in a table for each of eight lanes.
+class LaneIndex {
+ public:
+  /// How many of the rising thresholds but the first are at or below x: the piece that x lies in, where the first
+  /// piece holds below its beginning too.
+  [[nodiscard]] static LaneIndex of_piece(const LaneTable& begin, const Lanes& x) {
+    LaneIndex index;
+    for (int p = 1; p < begin.size(); ++p) {
+#ifdef __AVX512DQ__
+      index.place_ -= Places(_mm512_movm_epi64((Lanes(begin[p]) <= x).bits()));
+#else
+      index.place_ -= (Lanes(begin[p]) <= x).bits();
+#endif
+    }
+    return index;
+  }
+  [[nodiscard]] Lanes in(const LaneTable& table) const {
+#ifdef __AVX512DQ__
+    if (table.size() <= 2 * k_lanes) {
+      const double* values = table.data();
+      return Lanes::Values(
+          _mm512_permutex2var_pd(load(values).values(), __m512i(place_), load(values + k_lanes).values()));
+    }
+#endif
+    Lanes result;
+    for (int lane = 0; lane < k_lanes; ++lane) result.set(lane, table[static_cast<int>(place_[lane])]);
+    return result;
+  }
+
+ private:
+  using Places [[gnu::vector_size(sizeof(Lanes))]] = std::int64_t;
+  Places place_{};
+};
 
 /// Three-vectors of eight links.
 struct Lanes3 {
@@ -86,15 +237,15 @@ template <typename Scale>
   return {choose(mask, yes.x, no.x), choose(mask, yes.y, no.y), choose(mask, yes.z, no.z)};
 }
 /// The same vector in every lane.
-[[nodiscard]] inline Lanes3 in_all_lanes(const Eigen::Vector3d& v) {
-  return {Lanes::Constant(v.x()), Lanes::Constant(v.y()), Lanes::Constant(v.z())};
-}
+[[nodiscard]] inline Lanes3 in_all_lanes(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 [[nodiscard]] inline Eigen::Vector3d sum_of_lanes(const Lanes3& v) { return {v.x.sum(), v.y.sum(), v.z.sum()}; }
 
 /// `components` arrays of equal padded length, one after the other: component c of element i stands at data[c * length
 /// + i].
 class Field {
  public:
+  /// Begins where a block of lanes does, so that a block at a multiple of eight stands in one line of the cache.
+  using Values = std::vector<double, Eigen::aligned_allocator<double>>;
   Field() = default;
   Field(int components, int length) : length_(length), data_(static_cast<std::size_t>(components) * length, 0.0) {}
   [[nodiscard]] double* operator[](int component) {
@@ -105,13 +256,13 @@ class Field {
   }
   [[nodiscard]] int length() const { return length_; }
   [[nodiscard]] int components() const { return length_ == 0 ? 0 : static_cast<int>(data_.size()) / length_; }
-  [[nodiscard]] std::vector<double>& data() { return data_; }
-  [[nodiscard]] const std::vector<double>& data() const { return data_; }
+  [[nodiscard]] Values& data() { return data_; }
+  [[nodiscard]] const Values& data() const { return data_; }
   void fill(double value) { std::fill(data_.begin(), data_.end(), value); }
 
  private:
   int length_ = 0;
-  std::vector<double> data_;
+  Values data_;
 };
 
 [[nodiscard]] inline Lanes3 load3(const Field& field, int first, int i) {

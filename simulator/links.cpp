@@ -26,8 +26,8 @@ struct Mobility {
 /// What eight joints put into the sums of the bodies from `first` on; lanes behind the last joint are padding.
 void add_joints(const Mobility& body, const Workspace& work, int joint, int valid, int first, Field& stability) {
   const LaneMask joints = LaneMask::first(valid);
-  add_to(stability[0] + first, choose(joints, body.of(work.joint_stiffness, joint), Lanes::Zero()));
-  add_to(stability[1] + first, choose(joints, body.of(work.joint_damping, joint), Lanes::Zero()));
+  add_to(stability[0] + first, choose(joints, body.of(work.joint_stiffness, joint), 0.0));
+  add_to(stability[1] + first, choose(joints, body.of(work.joint_damping, joint), 0.0));
 }
 
 /// The link ahead of the last joint is the first one: what was put on its copy behind the last link is its own.
@@ -68,7 +68,7 @@ void find_bound(const LinkBodies& bodies, double beta, Workspace& work) {
     const int i = bodies.offset + k;
     const Lanes s2 = load(work.stability[0] + i), s1 = load(work.stability[1] + i);
     const Lanes rate = s1 + (s1 * s1 + (4.0 * beta - 3.0) * s2).sqrt();
-    if (rate.maxCoeff() <= largest) continue;
+    if (rate.max_lane() <= largest) continue;
     for (int lane = 0; lane < std::min(k_lanes, bodies.count - k); ++lane) {
       if (rate[lane] <= largest) continue;
       largest = rate[lane];
@@ -102,7 +102,7 @@ void accelerate(const LinkBodies& bodies, const Vector3d& g, double mass_damping
                 Acceleration& acceleration) {
   const Vector3d &inertia = bodies.inertia, per_inertia = inertia.cwiseInverse();
   const double per_mass = 1.0 / bodies.mass;
-  Lanes kinetic = Lanes::Zero(), height = Lanes::Zero();
+  Lanes kinetic = 0.0, height = 0.0;
   for (int first = 0; first < bodies.count; first += k_lanes) {
     const int i = bodies.offset + first;
     const Lanes3 v = load3(state.velocity, i), w = load3(state.angular_velocity, i);
@@ -121,8 +121,8 @@ void accelerate(const LinkBodies& bodies, const Vector3d& g, double mass_damping
         0.5 * (bodies.mass * dot(v, v) + inertia.x() * w.x * w.x + inertia.y() * w.y * w.y + inertia.z() * w.z * w.z);
     const Lanes lift = -bodies.mass * (g.x() * p.x + g.y() * p.y + g.z() * p.z);
     const LaneMask valid = LaneMask::first(bodies.count - first);
-    kinetic += choose(valid, energy, Lanes::Zero());
-    height += choose(valid, lift, Lanes::Zero());
+    kinetic += choose(valid, energy, 0.0);
+    height += choose(valid, lift, 0.0);
   }
   work.energy.kinetic += kinetic.sum();
   work.energy.gravity += height.sum();
@@ -148,7 +148,7 @@ void link_accelerations(const System& system, const AssemblyKnobs& knobs, const 
 
 double advance_links(const System& system, const StepWeights& weights, const State& now, const Acceleration& f_now,
                      const Acceleration& f_before, State& next) {
-  Lanes largest = Lanes::Zero();
+  Lanes largest = 0.0;
   for (int i = 0; i < system.link_array_length; i += k_lanes) {
     const Lanes3 v = load3(now.velocity, i), w = load3(now.angular_velocity, i);
     const Lanes3 a = load3(f_now.linear, i), a0 = load3(f_before.linear, i);
@@ -161,7 +161,7 @@ double advance_links(const System& system, const StepWeights& weights, const Sta
     largest = largest.max(dot(angle, angle));
     turn(now, angle, i, next);
   }
-  return std::sqrt(largest.maxCoeff());
+  return std::sqrt(largest.max_lane());
 }
 
 LocalError link_error(const System& system, const ErrorWeights& weights, const Acceleration& next,
@@ -179,7 +179,7 @@ LocalError link_error(const System& system, const ErrorWeights& weights, const A
         const auto measure = [&](const Field& fn, const Field& f, const Field& fb) {
           const Lanes3 f1 = load3(f, i), change = load3(fn, i) - f1, old = f1 - load3(fb, i), bend = change - r * old;
           const Lanes last = dot(change, change), former = r * r * dot(old, old);
-          return Lanes((ev * ev * dot(bend, bend)).max(ed * ed * last.max(former)));
+          return (ev * ev * dot(bend, bend)).max(ed * ed * last.max(former));
         };
         const Lanes linear = measure(next.linear, now.linear, before.linear);
         const Lanes angular = arm * arm * measure(next.angular, now.angular, before.angular);

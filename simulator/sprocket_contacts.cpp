@@ -49,7 +49,7 @@ struct Pins {
 
 /// What the contacts of one sprocket leave to be summed over lanes at its end.
 struct Sums {
-  Lanes energy = Lanes::Zero(), contact_power = Lanes::Zero(), friction_power = Lanes::Zero();
+  Lanes energy = 0.0, contact_power = 0.0, friction_power = 0.0;
 };
 
 /// Points `aside` from the middles of the pins, along them: the means of their bearers' points.
@@ -82,7 +82,7 @@ Lanes3 relative_velocity(const Wheel& wheel, const Pins& pins, const State& stat
 /// Forces on pins in S, and what they put into the step's bound.
 struct PinForce {
   Lanes3 force = in_all_lanes(Vector3d::Zero());
-  Lanes stiffness = Lanes::Zero(), damping = Lanes::Zero();
+  Lanes stiffness = 0.0, damping = 0.0;
 };
 
 /// Books the forces on bearers and sprocket, each pair at one common point, and towards the step's bound.
@@ -129,8 +129,8 @@ void touch_surface(const Wheel& wheel, const Lanes& depth, const Lanes& normal_x
   pushed.force.x += force * normal_x - q * slip.x;
   pushed.force.y -= q * slip.y;
   pushed.force.z += force * normal_z - q * slip.z;
-  const LaneMask touching = less(Lanes::Zero(), depth);
-  pushed.stiffness += choose(touching, Lanes::Constant(wheel.stiffness), Lanes::Zero());
+  const LaneMask touching = 0.0 < depth;
+  pushed.stiffness += choose(touching, wheel.stiffness, 0.0);
   pushed.damping += steepest_friction(law, force) + law.rate * elastic;
   sums.energy += 0.5 * elastic * depth;
   sums.contact_power += elastic * (factor - 1.0) * closing;
@@ -139,7 +139,7 @@ void touch_surface(const Wheel& wheel, const Lanes& depth, const Lanes& normal_x
 
 /// Unit vector (x, z) in S to the middle of the gap that is nearest to each pin.
 struct GapDirection {
-  Lanes x = Lanes::Ones(), z = Lanes::Zero();
+  Lanes x = 1.0, z = 0.0;
 };
 
 GapDirection nearest_gap(int teeth, const Lanes3& place) {
@@ -149,10 +149,10 @@ GapDirection nearest_gap(int teeth, const Lanes3& place) {
   double x = step_x, z = step_z;
   for (int gap = 1; gap < teeth; ++gap) {
     const Lanes along = x * place.x + z * place.z;
-    const LaneMask nearer = less(furthest_along, along);
+    const LaneMask nearer = furthest_along < along;
     furthest_along = furthest_along.max(along);
-    nearest.x = choose(nearer, Lanes::Constant(x), nearest.x);
-    nearest.z = choose(nearer, Lanes::Constant(z), nearest.z);
+    nearest.x = choose(nearer, x, nearest.x);
+    nearest.z = choose(nearer, z, nearest.z);
     const double next_x = x * step_x - z * step_z;
     z = z * step_x + x * step_z;
     x = next_x;
@@ -166,14 +166,14 @@ GapDirection nearest_gap(int teeth, const Lanes3& place) {
 void meet_sides(const Wheel& wheel, const Pins& pins, const State& state, Sums& sums, Workspace& work) {
   constexpr double k_fade = 0.02;  // m
   const CompiledSprocket& sprocket = wheel.track.sprocket;
-  const Lanes zero = Lanes::Zero(), deep = pins.place.y.abs() - sprocket.side_clearance;
+  const Lanes zero = 0.0, deep = pins.place.y.abs() - sprocket.side_clearance;
   const Lanes fade = ((sprocket.tip_radius - pins.radius) / k_fade).min(1.0);
-  const LaneMask touching = pins.near & less(zero, deep) & less(zero, fade), to_left = less(zero, pins.place.y);
+  const LaneMask touching = pins.near & (zero < deep) & (zero < fade), to_left = zero < pins.place.y;
   const unsigned touched = bits_of(touching);
   if (touched == 0) return;
   const Lanes depth = choose(touching, deep, zero), k = sprocket.side_stiffness * fade, normal = k * depth;
   const Lanes outwards =
-      choose(less(fade, Lanes::Ones()), (0.5 * sprocket.side_stiffness / k_fade) * depth * depth / pins.radius, zero);
+      choose(fade < 1.0, (0.5 * sprocket.side_stiffness / k_fade) * depth * depth / pins.radius, zero);
   const Lanes3 elastic{outwards * pins.place.x, choose(to_left, -normal, normal), outwards * pins.place.z};
   const Lanes magnitude = dot(elastic, elastic).sqrt();
   const Lanes closing = -dot(elastic, relative_velocity(wheel, pins, state, work)) / magnitude.max(k_least_force);
@@ -188,16 +188,15 @@ void meet_sides(const Wheel& wheel, const Pins& pins, const State& state, Sums& 
 /// The pins at one ring of teeth: tooth surfaces and base circle.
 void meet_ring(const Wheel& wheel, const Pins& pins, const State& state, Sums& sums, Workspace& work) {
   const CompiledSprocket& sprocket = wheel.track.sprocket;
-  const Lanes zero = Lanes::Zero();
-  const LaneMask in_reach =
-      pins.near & less_equal(pins.radius, Lanes::Constant(sprocket.tip_radius + sprocket.pin_radius));
+  const Lanes zero = 0.0;
+  const LaneMask in_reach = pins.near & (pins.radius <= sprocket.tip_radius + sprocket.pin_radius);
   if (bits_of(in_reach) == 0) return;
   const GapDirection gap = nearest_gap(sprocket.teeth, pins.place);
   const Lanes x = gap.x * pins.place.x + gap.z * pins.place.z, y = gap.x * pins.place.z - gap.z * pins.place.x;
   const ToothContact tooth = touch_tooth(sprocket, x, y);
   const Lanes tooth_depth = choose(in_reach, tooth.penetration, zero).max(0.0);
   const Lanes base_depth = choose(in_reach, sprocket.pin_radius + sprocket.base_radius - pins.radius, zero).max(0.0);
-  const unsigned on_tooth = bits_of(less(zero, tooth_depth)), on_base = bits_of(less(zero, base_depth));
+  const unsigned on_tooth = bits_of(zero < tooth_depth), on_base = bits_of(zero < base_depth);
   if ((on_tooth | on_base) == 0) return;
 
   const Lanes3 velocity = relative_velocity(wheel, pins, state, work);
@@ -208,7 +207,7 @@ void meet_ring(const Wheel& wheel, const Pins& pins, const State& state, Sums& s
     touch_surface(wheel, base_depth, pins.place.x / pins.radius, pins.place.z / pins.radius, velocity, pushed, sums);
   }
   push_pins(wheel, pins, pushed, work);
-  const unsigned on_tip = bits_of(tooth.on_tip), braking = bits_of(less(y, zero));
+  const unsigned on_tip = bits_of(tooth.on_tip), braking = bits_of(y < zero);
   count_case(work, ContactCase::sprocket_top, on_tooth & on_tip);
   count_case(work, ContactCase::sprocket_flank_braking, on_tooth & ~on_tip & braking);
   count_case(work, ContactCase::sprocket_flank_driving, on_tooth & ~on_tip & ~braking);
@@ -218,13 +217,13 @@ void meet_ring(const Wheel& wheel, const Pins& pins, const State& state, Sums& s
 }  // namespace
 
 ToothContact touch_tooth(const CompiledSprocket& sprocket, const Lanes& x, const Lanes& y) {
-  const Lanes zero = Lanes::Zero(), height = y.abs(), from_seat = x - sprocket.seat_center;
+  const Lanes zero = 0.0, height = y.abs(), from_seat = x - sprocket.seat_center;
   const Lanes radius = (x * x + y * y).sqrt(), above_tip = radius - sprocket.tip_radius;
   const double pin = sprocket.pin_radius, sine = sprocket.flank_sin, cosine = sprocket.flank_cos;
   // The flank's direction; the fillet ends where this is 0, the flank at the corner.
   const Lanes along = from_seat * cosine + height * sine;
   const double corner = (sprocket.corner_x - sprocket.seat_center) * cosine + sprocket.corner_y * sine;
-  const LaneMask before_corner = less(along, Lanes::Constant(corner)) & less(above_tip, Lanes::Constant(0.5 * pin));
+  const LaneMask before_corner = (along < corner) & (above_tip < 0.5 * pin);
 
   const Lanes from_center = (from_seat * from_seat + height * height).sqrt().max(1e-12);
   const Lanes fillet_depth = from_center + (pin - sprocket.seat_radius);
@@ -232,21 +231,20 @@ ToothContact touch_tooth(const CompiledSprocket& sprocket, const Lanes& x, const
   const Lanes tip_depth = pin - above_tip;
   const Lanes dx = x - sprocket.corner_x, dy = height - sprocket.corner_y, distance = (dx * dx + dy * dy).sqrt();
 
-  const LaneMask in_fillet = less_equal(along, zero);
-  const LaneMask tip_is_nearer = less(tip_depth, flank_depth) & less(Lanes::Constant(sprocket.corner_y), height);
+  const LaneMask in_fillet = along <= zero;
+  const LaneMask tip_is_nearer = (tip_depth < flank_depth) & (sprocket.corner_y < height);
   const LaneMask on_flank = before_corner & !tip_is_nearer;
-  const LaneMask beyond_corner = less(x * sprocket.corner_y, height * sprocket.corner_x);  // as seen from the axle
-  const LaneMask on_circle = before_corner | beyond_corner;                                // unless on the flank
+  const LaneMask beyond_corner = x * sprocket.corner_y < height * sprocket.corner_x;  // as seen from the axle
+  const LaneMask on_circle = before_corner | beyond_corner;                           // unless on the flank
 
   const Lanes inverse_radius = radius.inverse(), inverse_distance = distance.max(1e-12).inverse();
   const auto pick = [&](const Lanes& fillet, const Lanes& flank, const Lanes& circle, const Lanes& at_corner) {
     return choose(in_fillet, fillet, choose(on_flank, flank, choose(on_circle, circle, at_corner)));
   };
-  const Lanes normal_y =
-      pick(-height / from_center, Lanes::Constant(-cosine), height * inverse_radius, dy * inverse_distance);
+  const Lanes normal_y = pick(-height / from_center, -cosine, height * inverse_radius, dy * inverse_distance);
   return {pick(fillet_depth, flank_depth, tip_depth, pin - distance),
-          pick(-from_seat / from_center, Lanes::Constant(sine), x * inverse_radius, dx * inverse_distance),
-          choose(less(y, zero), -normal_y, normal_y), !(in_fillet | on_flank)};
+          pick(-from_seat / from_center, sine, x * inverse_radius, dx * inverse_distance),
+          choose(y < zero, -normal_y, normal_y), !(in_fillet | on_flank)};
 }
 
 void sprocket_contacts(const System& system, const AssemblyKnobs& knobs, const State& state, Workspace& work) {

@@ -149,7 +149,7 @@ Part wildest_part(const System& system, const Acceleration& acceleration) {
 }
 
 bool finite(const Acceleration& acceleration) {
-  const auto sum = [](const std::vector<double>& values) {  // in packets: one after the other they would wait
+  const auto sum = [](const Field::Values& values) {  // in packets: one after the other they would wait
     return Eigen::Map<const Eigen::ArrayXd>(values.data(), static_cast<Eigen::Index>(values.size())).sum();
   };
   const TreeAcceleration& chassis = acceleration.chassis;

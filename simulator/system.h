@@ -6,22 +6,19 @@
 
 #include "model/ground_surface.h"
 #include "model/scenario.h"
+#include "simulator/lanes.h"
 #include "simulator/tree.h"
 
 /// Everything that does not change during a run, compiled from Vehicle + Bushing + Scenario.
 namespace grouser {
 
-/// One piece of a spring curve: force = c0 + u (c1 + u (c2 + u c3)) with u from its beginning.
-struct SpringPiece {
-  double begin = 0.0;
-  std::array<double, 4> cubic{};
-  double energy = 0.0;  ///< stored at its beginning, zero at displacement 0 [J]
-};
-
-/// Spring curve. The first piece holds below its beginning too and the last one for ever, for the ends are straight.
+/// Spring curve in pieces, force = c0 + u (c1 + u (c2 + u c3)) with u from a piece's beginning. The first piece holds
+/// below its beginning too and the last one for ever, for the ends are straight.
 struct CompiledSpring {
   bool odd = false;  ///< f(-x) = -f(x): the pieces cover x >= 0 and the sign is carried, exact in a mirror
-  std::vector<SpringPiece> pieces;  ///< in the order of their beginnings
+  LaneTable begin;   ///< of the pieces, rising [m or rad]
+  std::array<LaneTable, 4> cubic;  ///< force over the displacement from there
+  LaneTable energy;                ///< stored at the beginning, zero at displacement 0 [J]
 };
 
 /// One bushing axis as the step uses it (model/bushing_law.h).

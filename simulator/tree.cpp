@@ -72,9 +72,9 @@ Matrix3d turned(const Matrix3d& R_WP, const Vector3d& axis, double s, double c) 
 void find_sines(const Eigen::VectorXd& angle, TreeWorkspace& work) {
   const auto n = static_cast<std::size_t>(angle.size());
   for (std::size_t first = 0; first < n; first += k_lanes) {
-    Lanes x = Lanes::Zero();
+    Lanes x = 0.0;
     for (std::size_t i = first; i < std::min(n, first + k_lanes); ++i) {
-      x[static_cast<Eigen::Index>(i - first)] = angle[static_cast<Eigen::Index>(i)];
+      x.set(static_cast<int>(i - first), angle[static_cast<Eigen::Index>(i)]);
     }
     const SineCosine of = sine_cosine(x);
     store(&work.sine[first], of.sine);

@@ -54,7 +54,7 @@ struct Machine {
 double operations_per_second() {
   constexpr int k_chains = 12, k_rounds = 1000;
   std::array<Lanes, k_chains> sum;
-  sum.fill(Lanes::Ones());
+  sum.fill(1.0);
   const double seconds = seconds_per_call([&] {
     for (int round = 0; round < k_rounds; ++round) {
       for (int chain = 0; chain < k_chains; chain += 2) {
@@ -71,7 +71,7 @@ double operations_per_second() {
 double roots_per_second() {
   constexpr int k_chains = 8, k_rounds = 1000;
   std::array<Lanes, k_chains> value;
-  value.fill(Lanes::Constant(2.0));
+  value.fill(2.0);
   const double seconds = seconds_per_call([&] {
     for (int round = 0; round < k_rounds; ++round) {
       for (int chain = 0; chain < k_chains; chain += 2) {
@@ -125,7 +125,7 @@ std::map<std::string, Cost> count_costs(const Scene& scene) {
   double low_blocks = 0.0;  // of links that may touch the ground
   for (const CompiledTrack& track : system.tracks) {
     for (int i = 0; i < track.num_links; i += k_lanes) {
-      low_blocks += load(scene.state.position[2] + track.offset + i).minCoeff() < 0.25 ? 1.0 : 0.0;
+      low_blocks += bits_of(load(scene.state.position[2] + track.offset + i) < 0.25) != 0 ? 1.0 : 0.0;
     }
   }
   const Cost broad_phase{11.0 * links / sides, 0.0, 3.0 * links / sides};

@@ -243,7 +243,7 @@ TEST(Bushing, ForceDoesNotCareWhereInTheWorldTheJointStands) {
 TEST(ArcTangent, IsWithinTwoUnitsInTheLastPlace) {
   for (int n = -6600; n < 6600; n += k_lanes) {  // the bushing asks for tan(angle / 8): up to 0.4143
     Lanes x;
-    for (int lane = 0; lane < k_lanes; ++lane) x[lane] = (n + lane) * 1e-4;
+    for (int lane = 0; lane < k_lanes; ++lane) x.set(lane, (n + lane) * 1e-4);
     const Lanes angle = arc_tangent(x);
     for (int lane = 0; lane < k_lanes; ++lane) {
       const double exact = std::atan(x[lane]);

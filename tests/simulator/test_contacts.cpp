@@ -13,16 +13,16 @@ Quaterniond roll(double angle) { return Quaterniond(Eigen::AngleAxisd(angle, Vec
 
 TEST(LaneMask, SaysYesLaneByLane) {
   Lanes x, y;
-  for (int lane = 0; lane < k_lanes; ++lane) x[lane] = lane, y[lane] = 7 - lane;
-  EXPECT_EQ(bits_of(less(x, y)), 0b00001111u);
-  EXPECT_EQ(bits_of(less_equal(x, Lanes::Constant(4.0))), 0b00011111u);
-  EXPECT_EQ(bits_of((!less(x, y)) & LaneMask::first(6)), 0b00110000u);
-  EXPECT_EQ(bits_of(less(x, y) | LaneMask::first(6)), 0b00111111u);
+  for (int lane = 0; lane < k_lanes; ++lane) x.set(lane, lane), y.set(lane, 7 - lane);
+  EXPECT_EQ(bits_of(x < y), 0b00001111u);
+  EXPECT_EQ(bits_of(x <= 4.0), 0b00011111u);
+  EXPECT_EQ(bits_of((!(x < y)) & LaneMask::first(6)), 0b00110000u);
+  EXPECT_EQ(bits_of((x < y) | LaneMask::first(6)), 0b00111111u);
   EXPECT_EQ(bits_of(LaneMask::first(0)), 0u);
   EXPECT_EQ(bits_of(LaneMask::first(76)), 0b11111111u);
-  const Lanes larger = choose(less(x, y), y, x);
-  EXPECT_EQ((larger - x.max(y)).abs().maxCoeff(), 0.0);
-  EXPECT_EQ(bits_of(less(Lanes::Constant(std::nan("")), x)), 0u);  // what is not a number is not less
+  const Lanes larger = choose(x < y, y, x);
+  EXPECT_EQ((larger - x.max(y)).abs().max_lane(), 0.0);
+  EXPECT_EQ(bits_of(std::nan("") < x), 0u);  // what is not a number is not less
 }
 
 TEST(ContactLaw, RateCoefficientGivesTheAskedRestitution) {
@@ -157,7 +157,7 @@ TEST(SprocketContacts, PenetrationIsContinuousRoundTheTooth) {
   constexpr double k_step = 5e-5;  // m
   const double half_step = k_pi / sprocket.teeth, highest = sprocket.tip_radius + sprocket.pin_radius + 0.002;
   const auto depth = [&](double radius, double angle) {
-    const Lanes x = Lanes::Constant(radius * std::cos(angle)), y = Lanes::Constant(radius * std::sin(angle));
+    const Lanes x = radius * std::cos(angle), y = radius * std::sin(angle);
     return std::max(0.0, touch_tooth(sprocket, x, y).penetration[0]);
   };
   double worst = 0.0, at_radius = 0.0, at_angle = 0.0;

@@ -171,7 +171,7 @@ TEST(LaneTrigonometry, HoldsAfterManyTurns) {
     std::uniform_real_distribution<double> angle(-largest, largest);
     for (int n = 0; n < 1000; ++n) {
       Lanes x;
-      for (double& of_lane : x) of_lane = angle(random);
+      for (int lane = 0; lane < k_lanes; ++lane) x.set(lane, angle(random));
       const SineCosine found = sine_cosine(x);
       for (int lane = 0; lane < k_lanes; ++lane) {
         ASSERT_NEAR(found.sine[lane], std::sin(x[lane]), 4.5e-16) << x[lane];  // 2 ulp of 1
