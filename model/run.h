@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <span>
@@ -19,6 +20,7 @@ struct Channel {
   std::string unit;                        ///< "m"
   std::vector<std::size_t> shape;          ///< of one row: {} scalar, {N, 3} ...
   bool single_precision = false;           ///< stored as 32-bit
+  bool deflated = false;                   ///< compressed: pays where most values are zero
   [[nodiscard]] std::size_t size() const;  ///< values a row
 };
 
@@ -26,24 +28,34 @@ struct Channel {
 struct ChannelTable {
   std::string name;  ///< "samples", "steps", "probes"
   std::vector<Channel> channels;
+  double rate = 0.0;  ///< rows a second [Hz]; 0 where it varies
   [[nodiscard]] std::size_t row_size() const;
+  /// Rows that are written at once: those of k_chunk_time, fewer where they are wide.
+  [[nodiscard]] std::size_t rows_per_chunk() const;
 };
+inline constexpr double k_chunk_time = 0.25;  ///< s simulated; what a killed run loses at most
 
-/// Appends rows to run.h5; readable up to the last flush if the process is killed. Throws FileError.
+/// Appends rows to run.h5, full chunks at a time; readable up to the last flush if the process is killed. Conversion,
+/// compression and files are the work of a thread of its own, in the order of the calls: a call waits only where that
+/// thread is a second of simulated time behind. Any call throws FileError, also for what failed since an earlier one.
 class RunWriter {
  public:
   /// names: string datasets written once ("/joints/names" -> ...). kept_rows, by table: so many rows of the file that
   /// stands there already begin the new one, which replaces it once they are in it.
-  RunWriter(const std::filesystem::path& file, std::vector<ChannelTable> tables,
+  RunWriter(const std::filesystem::path& file, const std::vector<ChannelTable>& tables,
             const std::map<std::string, std::vector<std::string>>& names,
             const std::vector<std::size_t>& kept_rows = {});
   ~RunWriter();
   RunWriter(const RunWriter&) = delete;
   RunWriter& operator=(const RunWriter&) = delete;
   void append(std::size_t table, std::span<const double> row);
+  /// Rows appended so far, by table.
+  [[nodiscard]] std::vector<std::size_t> rows() const;
+  /// Full chunks of the table so far.
+  [[nodiscard]] std::size_t chunks(std::size_t table) const;
   void flush();
-  /// Flushes down to the disk and returns the rows that stand there, by table.
-  [[nodiscard]] std::vector<std::size_t> sync();
+  /// Once all rows so far stand on the disk, calls `then` (on the writer's thread).
+  void sync(std::function<void()> then);
   void close();
 
  private:

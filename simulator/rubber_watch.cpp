@@ -12,27 +12,27 @@ struct StepSums {
   long bushings = 0;
 };
 
-void see(double value, LoadMeasure& measure, double& square_sum) {
-  measure.largest = std::max(measure.largest, std::abs(value));
-  square_sum += value * value;
+template <typename Squares>
+void see(const Squares& squares, LoadMeasure& measure, double& square_sum) {
+  measure.largest = std::max(measure.largest, std::sqrt(squares.maxCoeff()));
+  square_sum += squares.sum();
 }
 
 /// The bushings of one track whose rows begin at `first`.
 void watch_row(const CompiledTrack& track, const Workspace& work, int first, RubberLoads& loads, StepSums& sums) {
-  const Field &force = work.bushing_force, &moment = work.bushing_torque, &deflection = work.deflection;
-  for (int i = first; i < first + track.num_links; ++i) {
-    see(deflection[4][i] - track.free_twist, loads.torsion, sums.torsion);
-    see(moment[1][i], loads.torsion_moment, sums.torsion_moment);
-    see(std::sqrt(force[0][i] * force[0][i] + force[2][i] * force[2][i]), loads.radial_force, sums.radial_force);
-    see(force[1][i], loads.axial_force, sums.axial_force);
-    loads.largest_tension = std::max(loads.largest_tension, force[0][i]);
-    loads.least_tension = std::min(loads.least_tension, force[0][i]);
-  }
+  using Row = Eigen::Map<const Eigen::ArrayXd>;
+  const auto row = [&](const Field& field, int c) { return Row(field[c] + first, track.num_links); };
+  const Row x = row(work.bushing_force, 0), y = row(work.bushing_force, 1), z = row(work.bushing_force, 2);
+  see((row(work.deflection, index_of(Axis::ry)) - track.free_twist).square(), loads.torsion, sums.torsion);
+  see(row(work.bushing_torque, 1).square(), loads.torsion_moment, sums.torsion_moment);
+  see(x.square() + z.square(), loads.radial_force, sums.radial_force);
+  see(y.square(), loads.axial_force, sums.axial_force);
+  loads.largest_tension = std::max(loads.largest_tension, x.maxCoeff());
+  loads.least_tension = std::min(loads.least_tension, x.minCoeff());
   for (int a = 0; a < k_num_axes; ++a) {
     const double free = a == index_of(Axis::ry) ? track.free_twist : 0.0;
     double& largest = loads.largest_deflection[static_cast<std::size_t>(a)];
-    for (int i = first; i < first + track.num_links; ++i)
-      largest = std::max(largest, std::abs(deflection[a][i] - free));
+    largest = std::max(largest, (row(work.deflection, a) - free).abs().maxCoeff());
   }
   sums.bushings += track.num_links;
 }

@@ -11,8 +11,7 @@ namespace grouser {
 namespace {
 
 constexpr long k_steps_between_reports = 500;
-constexpr double k_flush_period = 0.25;  // s simulated; what a killed run loses at most
-constexpr double k_save_period = 1.0;    // s simulated; what --resume computes again at most
+constexpr double k_save_period = 1.0;  // s simulated; what --resume computes again, and a chunk, at most
 
 }  // namespace
 
@@ -70,13 +69,11 @@ RunStatus RunLoop::go(const Progress& progress, RunSummary& summary) {
         summary.message = *reason;
         return RunStatus::failed;
       }
-      if (steps_.accepted % k_steps_between_reports != 0) continue;
-      if (!report(progress, summary)) {
+      if (steps_.accepted % k_steps_between_reports == 0 && !report(progress, summary)) {
         save();
         return RunStatus::stopped;
       }
-      if (stepper_.state().time >= saved_ + k_save_period) save();
-      if (stepper_.state().time >= flushed_ + k_flush_period) flush();
+      if (recorder_.chunk_filled()) keep();
     }
   }
   summary.message = fmt::format("{:.3f} s simulated", stepper_.state().time) + remarks(system_, series());
@@ -119,25 +116,31 @@ bool RunLoop::report(const Progress& progress, RunSummary& summary) const {
   return false;
 }
 
-void RunLoop::flush() {
-  flushed_ = stepper_.state().time;
-  recorder_.flush();
+/// Makes the run so far safe from a kill.
+void RunLoop::keep() {
+  if (stepper_.state().time >= saved_ + k_save_period) {
+    save();
+  } else {
+    recorder_.flush();
+  }
 }
 
 /// Writes the checkpoint, its rows before it.
 void RunLoop::save() {
-  saved_ = flushed_ = stepper_.state().time;
-  RunStart now{start_.assembled, start_.assembly_wall_time, watch_.seconds(), recorder_.sync()};
+  saved_ = stepper_.state().time;
+  RunStart now{start_.assembled, start_.assembly_wall_time, watch_.seconds(), recorder_.rows()};
   CheckpointWriter parts;
   parts(now);
   parts(*this);
-  write_checkpoint(folder_, identity_, parts);
+  recorder_.sync([folder = folder_, identity = identity_, parts = std::move(parts)] {
+    write_checkpoint(folder, identity, parts);
+  });
 }
 
 void RunLoop::finish(RunSummary& summary) {
+  recorder_.close();
   summary.wall_time = watch_.seconds();
   summary.assembly_wall_time = start_.assembly_wall_time;
-  recorder_.close();
   summary.simulated_time = stepper_.state().time;
   steps_.mean = steps_.accepted > 0 ? stepper_.state().time / static_cast<double>(steps_.accepted) : 0.0;
   summary.steps.accepted = steps_.accepted;

@@ -44,7 +44,7 @@ class RunLoop {
   template <typename Archive>
   void archive(Archive& a) {
     auto& [accepted, min, mean, max] = steps_;
-    a(stepper_, book_, recorder_, track_watch_, energy_watch_, accepted, min, mean, max, flushed_, saved_);
+    a(stepper_, book_, recorder_, track_watch_, energy_watch_, accepted, min, mean, max, saved_);
   }
 
  private:
@@ -53,7 +53,7 @@ class RunLoop {
   [[nodiscard]] std::optional<std::string> advance_to(double until);
   [[nodiscard]] RunSeries series() const;
   bool report(const Progress& progress, RunSummary& summary) const;
-  void flush();
+  void keep();
   void save();
   [[nodiscard]] Snapshot snapshot() const {
     return {stepper_.state(), stepper_.work(), stepper_.acceleration(), book_};
@@ -69,8 +69,7 @@ class RunLoop {
   RunRecorder recorder_;
   TrackWatch track_watch_;
   EnergyWatch energy_watch_;
-  double flushed_ = 0.0;  // s, time of the last flush
-  double saved_ = -1.0;   // s, time of the last checkpoint; the first one is due at once
+  double saved_ = -1.0;  // s, time of the last checkpoint; the first one is due at once
   struct {
     long accepted = 0;
     double min = 1.0, mean = 0.0, max = 0.0;

@@ -6,6 +6,7 @@
 namespace grouser {
 namespace {
 
+constexpr auto k_samples = static_cast<std::size_t>(RunTable::samples);
 constexpr double k_still_share = 0.02;  // of the largest sprocket speed
 
 std::span<const double> vertical_ground_force(const Workspace& work) {
@@ -34,7 +35,9 @@ void RunRecorder::begin(const Snapshot& now) {
 }
 
 void RunRecorder::record(const Snapshot& previous, const Snapshot& now, const Stepper& stepper) {
+  const std::size_t chunks = writer_.chunks(k_samples);
   sample(previous, now);
+  chunk_filled_ = writer_.chunks(k_samples) > chunks;
   const std::array<double, 4> step{now.state.time, stepper.last_step(), stepper.last_error(),
                                    static_cast<double>(stepper.last_limit())};
   writer_.append(static_cast<std::size_t>(RunTable::steps), step);

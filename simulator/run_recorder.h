@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -19,9 +20,13 @@ class RunRecorder {
   /// One accepted step: the samples due in it, its own row, and what the results need of every step.
   void record(const Snapshot& previous, const Snapshot& now, const Stepper& stepper);
 
+  /// The last step filled a chunk of samples: flushed now, none of it is written twice.
+  [[nodiscard]] bool chunk_filled() const { return chunk_filled_; }
   void flush() { writer_.flush(); }
-  /// Rows of every table that are safe on disk from now on.
-  [[nodiscard]] std::vector<std::size_t> sync() { return writer_.sync(); }
+  /// Rows so far, by table.
+  [[nodiscard]] std::vector<std::size_t> rows() const { return writer_.rows(); }
+  /// Calls `then`, on another thread, once these rows are safe on the disk.
+  void sync(std::function<void()> then) { writer_.sync(std::move(then)); }
   void close() { writer_.close(); }
 
   [[nodiscard]] const RunSeries& series() const { return series_; }
@@ -43,6 +48,7 @@ class RunRecorder {
   RunSeries series_;
   std::optional<Interval> steady_;
   double largest_rate_ = 0.0;  // rad/s, asked of any sprocket
+  bool chunk_filled_ = false;
 };
 
 }  // namespace grouser

@@ -16,27 +16,35 @@ Vector3d link_position(const State& state, int i) {
   return {state.position[0][i], state.position[1][i], state.position[2][i]};
 }
 
-/// The pin of joint i (between link i and the next) in the vehicle frame.
-Vector3d joint_in_vehicle(const System& system, const CompiledTrack& track, const State& state, const Workspace& work,
-                          int i) {
-  const Vector3d half(0.5 * track.pitch * work.rotation[0][i], 0.5 * track.pitch * work.rotation[3][i],
-                      0.5 * track.pitch * work.rotation[6][i]);
-  return work.chassis.base_rotation.transpose() * (link_position(state, i) + half - state.chassis.position) +
-         system.chassis_center_V;
+/// Joints i to i + 7 (each between its link and the next) in the vehicle frame, along one of its axes [m].
+Lanes joints_along(int axis, const System& system, const CompiledTrack& track, const State& state,
+                   const Workspace& work, int i) {
+  const Vector3d e_W = work.chassis.base_rotation.col(axis);
+  Lanes along = system.chassis_center_V[axis] - e_W.dot(state.chassis.position);
+  for (int c = 0; c < 3; ++c) {
+    const Lanes from_link = (0.5 * track.pitch) * load(work.rotation[3 * c] + i);
+    along += e_W[c] * (load(state.position[c] + i) + from_link);
+  }
+  return along;
 }
 
-/// Mean, least and greatest tension of the joints that `belongs` lets in.
+/// Mean, least and greatest tension of the joints that `belongs` lets in by their x and z in the vehicle frame.
 template <typename Belongs>
 SpanTension span_tension(const System& system, const CompiledTrack& track, const State& state, const Workspace& work,
                          Belongs belongs) {
   SpanTension span{0.0, std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(), 0};
-  for (int i = track.offset; i < track.offset + track.num_links; ++i) {
-    if (!belongs(joint_in_vehicle(system, track, state, work, i))) continue;
-    const double tension = work.bushing_force[0][i];
-    span.mean += tension;
-    span.low = std::min(span.low, tension);
-    span.high = std::max(span.high, tension);
-    ++span.joints;
+  for (int block = 0; block < track.num_links; block += k_lanes) {
+    const int first = track.offset + block;
+    const Lanes x = joints_along(0, system, track, state, work, first);
+    const Lanes z = joints_along(2, system, track, state, work, first);
+    for (int lane = 0; lane < std::min(k_lanes, track.num_links - block); ++lane) {
+      if (!belongs(x[lane], z[lane])) continue;
+      const double tension = work.bushing_force[0][first + lane];
+      span.mean += tension;
+      span.low = std::min(span.low, tension);
+      span.high = std::max(span.high, tension);
+      ++span.joints;
+    }
   }
   span.mean /= std::max(1, span.joints);
   return span;
@@ -92,9 +100,9 @@ SpanTension upper_run_tension(const System& system, const State& state, const Wo
   const double margin_a = gear.sprocket.tip_radius + 0.1, margin_b = gear.idler.wheel.radius + 0.1;
   const bool a_first = a.x() < b.x();
   const double from = a_first ? a.x() + margin_a : b.x() + margin_b, to = a_first ? b.x() - margin_b : a.x() - margin_a;
-  return span_tension(system, track, state, work, [&](const Vector3d& p) {
-    const double axle_line = a.z() + (b.z() - a.z()) * (p.x() - a.x()) / (b.x() - a.x());
-    return p.x() >= from && p.x() <= to && p.z() >= axle_line;
+  return span_tension(system, track, state, work, [&](double x, double z) {
+    const double axle_line = a.z() + (b.z() - a.z()) * (x - a.x()) / (b.x() - a.x());
+    return x >= from && x <= to && z >= axle_line;
   });
 }
 
@@ -112,8 +120,8 @@ SpanTension sprocket_span_tension(const System& system, const State& state, cons
   const double across = std::sqrt(1.0 - c * c) * (dx > 0.0 ? 1.0 : -1.0);
   const double nx = c * dx / d + across * dz / d, nz = c * dz / d - across * dx / d;
   const double tx = (dx + (r_b - r_a) * nx), tz = (dz + (r_b - r_a) * nz), length = std::hypot(tx, tz);
-  return span_tension(system, track, state, work, [&](const Vector3d& p) {
-    const double x = p.x() - a.x() - r_a * nx, z = p.z() - a.z() - r_a * nz;
+  return span_tension(system, track, state, work, [&](double joint_x, double joint_z) {
+    const double x = joint_x - a.x() - r_a * nx, z = joint_z - a.z() - r_a * nz;
     const double along = (x * tx + z * tz) / length, off = x * nx + z * nz;
     return along >= 0.5 * track.pitch && along <= length - 0.5 * track.pitch && std::abs(off) < track.pitch;
   });

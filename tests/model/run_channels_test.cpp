@@ -1,7 +1,11 @@
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 
 #include <csignal>
+#include <fstream>
+#include <future>
+#include <sstream>
 
 #include "model/errors.h"
 #include "model/run.h"
@@ -14,7 +18,7 @@ std::vector<ChannelTable> tables() {
   return {{"samples",
            {{"/time", "s", {}},
             {"/tracks/left/link_position", "m", {76, 3}},
-            {"/tracks/left/contact_force/ground", "N", {76, 3}, true}}},
+            {"/tracks/left/contact_force/ground", "N", {76, 3}, true, true}}},
           {"steps", {{"/steps/time", "s", {}}, {"/steps/size", "s", {}}}}};
 }
 
@@ -70,7 +74,9 @@ TEST(RunChannels, OfAKilledRunAreReadableUpToTheLastFlush) {
   if (child == 0) {
     RunWriter writer(file, tables(), {});
     append_rows(writer, 0, 1000);
-    writer.flush();
+    std::promise<void> safe;
+    writer.sync([&] { safe.set_value(); });
+    safe.get_future().wait();
     append_rows(writer, 1000, 900);  // partly written, never flushed
     ::kill(::getpid(), SIGKILL);
   }
@@ -82,6 +88,62 @@ TEST(RunChannels, OfAKilledRunAreReadableUpToTheLastFlush) {
   EXPECT_EQ(reader.read_column("/tracks/left/link_position", {0, 0}).at(999), 1000.0);
   EXPECT_EQ(reader.read_column("/tracks/left/contact_force/ground", {75, 2}).at(999), 999.0 + 456.0);
   EXPECT_GE(reader.read("/steps/time").rows(), 1000u);
+}
+
+std::string bytes_of(const std::filesystem::path& file) {
+  std::ostringstream all;
+  all << std::ifstream(file, std::ios::binary).rdbuf();
+  return all.str();
+}
+
+TEST(RunChannels, AreTheSameBytesHoweverFarTheWriterLagsBehind) {
+  const TemporaryFolder folder;
+  for (const char* name : {"prompt.h5", "late.h5"}) {
+    const bool late = name == std::string("late.h5");
+    std::promise<void> all_appended;
+    const std::shared_future<void> go = all_appended.get_future().share();
+    RunWriter writer(folder.path() / name, tables(), {});
+    // The writer stands here until all that its queue takes has been appended.
+    writer.sync([late, go] {
+      if (late) go.wait();
+    });
+    append_rows(writer, 0, 3000);  // four full chunks, two a table: what the queue takes
+    all_appended.set_value();
+    writer.flush();
+    append_rows(writer, 3000, 1500);
+    writer.close();
+  }
+  EXPECT_TRUE(bytes_of(folder.path() / "prompt.h5") == bytes_of(folder.path() / "late.h5"));
+}
+
+TEST(RunChannels, TellOfAFailureOfTheWritersThreadInALaterCall) {
+  const TemporaryFolder folder;
+  RunWriter writer(folder.path() / "run.h5", tables(), {});
+  writer.sync([] { throw FileError("cannot write checkpoint"); });
+  EXPECT_THROW(append_rows(writer, 0, 100000), FileError);
+  EXPECT_THROW(writer.close(), FileError);
+}
+
+TEST(RunChannels, RefuseWhenTheDiskIsFull) {
+  const TemporaryFolder folder;
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit then fails as one on a full disk does
+    const rlimit limit{1 << 20, 1 << 20};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    try {
+      RunWriter writer(folder.path() / "run.h5", tables(), {});
+      append_rows(writer, 0, 100000);
+      writer.close();
+    } catch (const FileError&) {
+      ::_exit(5);
+    }
+    ::_exit(0);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 5);
 }
 
 }  // namespace
