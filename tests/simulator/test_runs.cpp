@@ -100,7 +100,8 @@ TEST(Run, ChatterEndsTheRunWithTheAccountThatGrowsAndThePartThatBoundsTheStep) {
                                          {"integrator.fixed_step_ms", "0.19"}});
     const RunSummary summary = simulate(scenario, folder / "run");
     EXPECT_EQ(summary.status, RunStatus::failed);
-    EXPECT_THAT(summary.message, testing::HasSubstr("energy residual 1.0"));  // as soon as it passes 1e-3
+    // In the first step that passes 1e-3; one step of this chatter adds up to a half.
+    EXPECT_THAT(summary.message, testing::ContainsRegex("energy residual 1\\.[0-9]+e-03"));
     EXPECT_THAT(summary.message, testing::HasSubstr(" % of all losses"));
     EXPECT_THAT(summary.message,
                 testing::HasSubstr("% of the steps are bounded by links on a sprocket, most often link"));
