@@ -34,9 +34,14 @@ Result run(const Options& options) {
   const fs::path file =
       options.file.empty() ? fs::path(options.run_folder) / (options.figure + ".png") : fs::path(options.file);
   const RunFolder opened = open_run_folder(options.run_folder);
-  const Image image = draw(make_run_figure(opened, options.figure), options.dark ? Theme::dark : Theme::light);
+  const Figure figure = make_run_figure(opened, options.figure);
+  const Theme theme = options.dark ? Theme::dark : Theme::light;
   if (file.has_parent_path()) fs::create_directories(file.parent_path());
-  write_png(image, file);
+  if (file.extension() == ".svg") {
+    write_whole(file, svg_file(figure, theme));
+  } else {
+    write_png(draw(figure, theme), file);
+  }
   Result result;
   result.lines.push_back(file.string());
   result.json["outputs"].push_back(file.string());
@@ -59,9 +64,9 @@ Command add_plot(CLI::App& root) {
   CLI::Option* figure = app->add_option("--figure", options->figure, "Figure to draw")
                             ->type_name("NAME")
                             ->check(CLI::IsMember(figure_names()));
-  app->add_option("-o,--output", options->file, "Picture [RUN_DIR/NAME.png]")
-      ->type_name("FILE.png")
-      ->check(ending_in(".png"));
+  app->add_option("-o,--output", options->file, "Picture, pixels or vectors by its ending [RUN_DIR/NAME.png]")
+      ->type_name("FILE.png|.svg")
+      ->check(ending_in(".png") | ending_in(".svg"));
   app->add_flag("--dark", options->dark, "Light lines on a dark ground");
   app->callback([list, folder, figure] {
     if (list->count() > 0) return;

@@ -49,6 +49,8 @@ class Canvas {
   virtual void dots(std::span<const Vector2f> points, float diameter, const Color& color) = 0;
   /// The area between two curves, each point (x, upper y, lower y), x not falling.
   virtual void band(std::span<const Vector3f> points, const Color& color) = 0;
+  /// A picture stretched over a box, each of its pixels a plain rectangle.
+  virtual void image(const Box& box, const Image& picture) = 0;
   /// Restricts drawing to a box of whole pixels.
   virtual void clip(const Box& box) = 0;
   virtual void unclip() = 0;

@@ -6,6 +6,7 @@
 #include "model/errors.h"
 #include "render/figure_layout.h"
 #include "render/gl_canvas.h"
+#include "render/heat_map.h"
 #include "render/plot_theme.h"
 
 namespace grouser {
@@ -34,11 +35,13 @@ class FigurePainter {
       const PanelLayout& at = layout_.panels[i];
       grid(panel, at);
       canvas_.clip(at.frame.box);
+      map(panel, at);
       mark_lines(panel, at);
       bands(panel, at);
       series(panel, at);
       canvas_.unclip();
       axes(panel, at);
+      color_legend(panel, at);
       mark_labels(panel, at);
       legend(panel, at);
     }
@@ -70,6 +73,47 @@ class FigurePainter {
     if (panel.zero_lines && inside(at.frame.y)) level(0.0, theme_.zero);
   }
 
+  void map(const Panel& panel, const PanelLayout& at) {
+    if (!panel.map) return;
+    const HeatMap& of = *panel.map;
+    const Vector2f low = at.frame.pixel(of.x_span[0], of.y_span[0]), high = at.frame.pixel(of.x_span[1], of.y_span[1]);
+    canvas_.image({low.x(), high.y(), high.x(), low.y()}, map_picture(of, theme_.page.rgb));
+  }
+
+  void color_legend(const Panel& panel, const PanelLayout& at) {
+    if (!panel.map) return;
+    const Box& bar = at.map_bar;
+    canvas_.image(bar, color_bar());
+    for (const Tick& tick : at.map_ticks.major) {
+      const float y = bar.bottom - static_cast<float>(at.map_axis.share(tick.value)) * bar.height();
+      rule({bar.right, y}, {bar.right + 4.0f * k_, y}, theme_.axis);
+      write({bar.right + 7.0f * k_, y + 0.36f * k_tick_size * k_}, tick.label, k_tick_size, theme_.muted,
+            TextAlign::left);
+    }
+    write({at.map_label_center + 0.36f * k_label_size * k_, 0.5f * (bar.top + bar.bottom)}, panel.map->label,
+          k_label_size, theme_.ink, TextAlign::center, false, true);
+    if (!at.map_ticks.factor.empty())
+      write({bar.left, bar.top - 8.0f * k_}, at.map_ticks.factor, k_tick_size, theme_.muted, TextAlign::left);
+  }
+
+  /// Bins stand on y = 0, or on the foot of a logarithmic axis, and are outlined.
+  void bars(const Series& one, const PanelLayout& at, const Color& color) {
+    const float foot = at.frame.y.logarithmic ? at.frame.box.bottom : y_of(at, 0.0);
+    const double half = half_bin(one);
+    std::vector<Vector3f> area;
+    std::vector<Vector2f> outline;
+    for (std::size_t i = 0; i < one.x.size(); ++i) {
+      const bool drawn = std::isfinite(one.y[i]) && (!at.frame.y.logarithmic || one.y[i] > 0.0);
+      const float top = drawn ? y_of(at, one.y[i]) : foot;
+      for (const double edge : {one.x[i] - half, one.x[i] + half}) {
+        area.emplace_back(x_of(at, edge), std::min(top, foot), std::max(top, foot));
+        outline.emplace_back(x_of(at, edge), top);
+      }
+    }
+    canvas_.band(area, {color.rgb, 0.22f * color.alpha});
+    canvas_.line(outline, one.width * k_, color);
+  }
+
   void bands(const Panel& panel, const PanelLayout& at) {
     for (std::size_t i = 0; i < panel.bands.size(); ++i) {
       const Band& band = panel.bands[i];
@@ -96,6 +140,10 @@ class FigurePainter {
       const Series& one = panel.series[i];
       const Color color{series_color(panel, i, theme_.palette), one.opacity};
       const Dash dash = one.style == SeriesStyle::dashed ? Dash{6.0f * k_, 10.0f * k_} : Dash{};
+      if (one.style == SeriesStyle::bars) {
+        bars(one, at, color);
+        continue;
+      }
       for (const auto& piece : pixel_pieces(one.x, one.y, at.frame, one.style == SeriesStyle::steps)) {
         if (one.style == SeriesStyle::points || piece.size() == 1) {
           canvas_.dots(piece, std::max(1.0f, 2.6f * one.width) * k_, color);
@@ -252,6 +300,9 @@ void require_equal_lengths(const Figure& figure) {
         throw InputError({"", "figure " + figure.name + ", series " + series.name, "as many x as y",
                           std::to_string(series.x.size()) + " and " + std::to_string(series.y.size()), ""});
     }
+    if (panel.map && panel.map->values.size() != panel.map->columns * panel.map->rows)
+      throw InputError({"", "figure " + figure.name + ", map", "columns x rows values",
+                        std::to_string(panel.map->values.size()), ""});
     for (const Band& band : panel.bands) {
       if (band.x.size() != band.low.size() || band.x.size() != band.high.size())
         throw InputError({"", "figure " + figure.name + ", band " + band.name, "as many edges as x",

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,7 +12,8 @@ namespace grouser {
 
 using Rgb = std::array<float, 3>;  ///< sRGB, 0..1
 
-enum class SeriesStyle { line, dashed, points, steps };
+/// `bars`: a histogram, y over the bin round each x; x evenly spaced.
+enum class SeriesStyle { line, dashed, points, steps, bars };
 
 struct Series {
   std::string name{};            ///< legend; empty = none
@@ -31,6 +33,17 @@ struct Band {
   std::optional<int> hue{};  ///< as of a series
 };
 
+/// Values over a grid of cells, shown by colour (tension over link number and time), with a bar that tells the colours.
+struct HeatMap {
+  std::size_t columns = 0, rows = 0;
+  std::array<double, 2> x_span{}, y_span{};      ///< outer edges of the grid
+  std::vector<double> values{};                  ///< row by row, the lowest y first; NaN = empty
+  std::string label{};                           ///< of the values: "Tension [kN]"
+  std::optional<std::array<double, 2>> range{};  ///< of the colours; default: of the values
+  /// The colours' range.
+  [[nodiscard]] std::array<double, 2> color_range() const;
+};
+
 /// A labelled vertical or horizontal line ("71.6 Hz link passing").
 struct Mark {
   double at = 0.0;
@@ -47,6 +60,7 @@ struct Panel {
   std::optional<std::array<double, 2>> x_range{}, y_range{};
   bool log_x = false, log_y = false;
   bool zero_lines = false;  ///< draw x = 0 and y = 0
+  std::optional<HeatMap> map{};
 };
 
 struct Figure {
@@ -67,5 +81,8 @@ enum class Theme { light, dark };
 /// The same picture as an `<svg>` element for inside a page, in the page's own colours; `label` is its text
 /// alternative.
 [[nodiscard]] std::string draw_svg(const Figure& figure, const std::string& label);
+
+/// The same as a file of its own.
+[[nodiscard]] std::string svg_file(const Figure& figure, Theme theme = Theme::light);
 
 }  // namespace grouser

@@ -9,6 +9,7 @@ namespace {
 /// Margins round the plots, CSS pixels.
 constexpr float k_edge = 14.0f, k_right = 20.0f, k_title_height = 32.0f, k_header = 12.0f, k_header_titled = 28.0f;
 constexpr float k_x_numbers = 24.0f, k_x_name = 22.0f, k_y_name = 24.0f, k_tick_gap = 9.0f, k_shared_gap = 4.0f;
+constexpr float k_map_gap = 12.0f, k_map_bar = 12.0f;
 constexpr float k_legend_margin = 10.0f, k_legend_padding = 8.0f;
 
 std::vector<LegendEntry> legend_of(const Panel& panel, const std::vector<Rgb>& palette) {
@@ -22,6 +23,7 @@ std::vector<LegendEntry> legend_of(const Panel& panel, const std::vector<Rgb>& p
     if (series.name.empty()) continue;
     const auto look = series.style == SeriesStyle::dashed   ? LegendEntry::Look::dashed
                       : series.style == SeriesStyle::points ? LegendEntry::Look::dots
+                      : series.style == SeriesStyle::bars   ? LegendEntry::Look::band
                                                             : LegendEntry::Look::line;
     entries.push_back({series.name, series_color(panel, i, palette), look, series.width});
   }
@@ -35,13 +37,19 @@ PlotAxis x_axis(const Panel& panel) {
   ValueRange range(panel.log_x);
   bool sorted = true, dots = false;
   for (const Series& series : panel.series) {
-    for (const double value : series.x) range.add(value);
+    const double reach = series.style == SeriesStyle::bars ? half_bin(series) : 0.0;
+    for (const double value : series.x) {
+      range.add(value - reach);
+      range.add(value + reach);
+    }
     sorted = sorted && rises(series.x);
     dots = dots || series.style == SeriesStyle::points;
   }
   for (const Band& band : panel.bands) {
     for (const double value : band.x) range.add(value);
   }
+  if (panel.map)
+    for (const double value : panel.map->x_span) range.add(value);
   return range.axis(sorted && !dots ? 0.0 : 0.04, panel.x_range);
 }
 
@@ -61,7 +69,15 @@ PlotAxis y_axis(const Panel& panel, const PlotAxis& x) {
   for (const Mark& mark : panel.marks) {
     if (!mark.vertical) range.add(mark.at);
   }
+  if (panel.map && panel.series.empty()) return range.axis(0.0, panel.y_range.value_or(panel.map->y_span));
   return range.axis(0.06, panel.y_range);
+}
+
+/// Of a panel with a map: where its colours begin and end.
+void measure_map(const Panel& panel, PanelLayout& layout) {
+  const std::array<double, 2> range = panel.map->color_range();
+  layout.map_axis = {range[0], range[1], false};
+  layout.map_ticks = make_ticks(layout.map_axis, 5.0);
 }
 
 /// All x axes of a shared figure span the values of all panels.
@@ -156,11 +172,34 @@ class Placing {
     }
     return margin + 0.7f * k_edge * k_;
   }
+  /// Room right of the plots of a column: for the widest colour bar with its numbers and name.
+  float right_margin(std::size_t of_column) const {
+    float margin = k_right * k_;
+    for (std::size_t i = 0; i < layout_.panels.size(); ++i)
+      if (column(i) == of_column && figure_.panels[i].map)
+        margin =
+            std::max(margin, (k_map_gap + k_map_bar + k_tick_gap + k_y_name + 0.5f * k_edge) * k_ + map_numbers(i));
+    return margin;
+  }
+  float map_numbers(std::size_t i) const {
+    float width = 0.0f;
+    for (const Tick& tick : layout_.panels[i].map_ticks.major)
+      width = std::max(width, canvas_.text_width(tick.label, k_tick_size * k_));
+    return width;
+  }
+  void place_bar(std::size_t i) {
+    PanelLayout& panel = layout_.panels[i];
+    const Box& plot = panel.frame.box;
+    const float left = std::round(plot.right + k_map_gap * k_);
+    panel.map_bar = {left, plot.top, std::round(left + k_map_bar * k_), plot.bottom};
+    panel.map_ticks = make_ticks(panel.map_axis, std::max(3.0f, plot.height() / (38.0f * k_)));
+    panel.map_label_center = panel.map_bar.right + k_tick_gap * k_ + map_numbers(i) + 0.5f * k_y_name * k_;
+  }
   void place_panel(std::size_t i, float top, float bottom, float cell_width) {
     PanelLayout& panel = layout_.panels[i];
     const float start = cell_width * static_cast<float>(column(i));
-    panel.frame.box = {std::round(start + left_margin(column(i))), top, std::round(start + cell_width - k_right * k_),
-                       bottom};
+    panel.frame.box = {std::round(start + left_margin(column(i))), top,
+                       std::round(start + cell_width - right_margin(column(i))), bottom};
     panel.y_label_center = start + 0.7f * k_edge * k_ + 0.5f * k_label_size * k_;
     const float rows_above =
         panel.legend.empty() || panel.legend_inside
@@ -169,6 +208,7 @@ class Placing {
     panel.title_baseline = top - (9.0f + rows_above * k_legend_row) * k_;
     panel.y_ticks = make_ticks(panel.frame.y, std::max(3.0f, (bottom - top) / (38.0f * k_)));
     panel.x_ticks = make_ticks(panel.frame.x, std::max(3.0f, panel.frame.box.width() / (84.0f * k_)));
+    if (figure_.panels[i].map) place_bar(i);
   }
 
   const Canvas& canvas_;
@@ -221,6 +261,8 @@ bool place_legend_inside(const Canvas& canvas, PanelLayout& panel, float scale) 
   width += 2.0f * padding - 8.0f * scale;
   const float height = static_cast<float>(panel.legend.size()) * k_legend_row * scale + 2.0f * padding - 4.0f * scale;
   const Box& plot = panel.frame.box;
+  // A map leaves no corner free.
+  if (panel.map_bar.width() > 0.0f) return false;
   if (width > 0.6f * plot.width() || height > 0.75f * plot.height()) return false;
   const float right = std::round(plot.right - margin - width), bottom = std::round(plot.bottom - margin - height);
   const float left = std::round(plot.left + margin), top = std::round(plot.top + margin);
@@ -238,6 +280,11 @@ bool place_legend_inside(const Canvas& canvas, PanelLayout& panel, float scale) 
 }
 
 }  // namespace
+
+double half_bin(const Series& series) {
+  return series.x.size() < 2 ? 0.5
+                             : 0.5 * (series.x.back() - series.x.front()) / static_cast<double>(series.x.size() - 1);
+}
 
 Rgb series_color(const Panel& panel, std::size_t series, const std::vector<Rgb>& palette) {
   const Series& one = panel.series[series];
@@ -265,6 +312,7 @@ FigureLayout lay_out_figure(const Canvas& canvas, const Figure& figure, const st
     PanelLayout& panel = layout.panels[i];
     panel.frame.x = x_axis(figure.panels[i]);
     panel.legend = legend_of(figure.panels[i], palette);
+    if (figure.panels[i].map) measure_map(figure.panels[i], panel);
     panel.x_labels = !figure.share_x || i + 1 == figure.panels.size();
   }
   if (figure.share_x) share_x_axes(figure, layout.panels);

@@ -23,6 +23,10 @@ struct PanelLayout {
   bool legend_inside = true;        ///< in `legend_box`, where no data are; else in rows above the plot
   Box legend_box;
   std::vector<std::vector<Vector2f>> obstacles;  ///< curves as drawn
+  PlotAxis map_axis;                             ///< values of a map, up its colour bar
+  Ticks map_ticks;
+  Box map_bar;                    ///< right of the plot
+  float map_label_center = 0.0f;  ///< x of the values' name
 };
 
 struct FigureLayout {
@@ -41,6 +45,9 @@ inline constexpr float k_legend_row = 18.0f, k_legend_swatch = 24.0f;
 /// Colour of each series: its own or the palette's, by order.
 [[nodiscard]] Rgb series_color(const Panel& panel, std::size_t series, const std::vector<Rgb>& palette);
 [[nodiscard]] Rgb band_color(const Panel& panel, std::size_t band, const std::vector<Rgb>& palette);
+
+/// Half the width of a histogram's bins.
+[[nodiscard]] double half_bin(const Series& series);
 
 /// Width of one legend entry with its swatch [device pixels].
 [[nodiscard]] float legend_entry_width(const Canvas& canvas, const LegendEntry& entry, float scale);

@@ -157,6 +157,21 @@ void GlCanvas::band(std::span<const Vector3f> points, const Color& color) {
   cover(reach, color, programs_.band, static_cast<GLsizei>(points.size() - 1));
 }
 
+void GlCanvas::image(const Box& box, const Image& picture) {
+  if (picture.width == 0 || picture.height == 0) return;
+  const GlApi& gl = context_.gl();
+  const GlTexture pixels = make_texture(context_, GL_RGBA8, picture.width, picture.height);
+  gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  gl.TextureSubImage2D(pixels.id(), 0, 0, 0, picture.width, picture.height, GL_BGR, GL_UNSIGNED_BYTE,
+                       picture.bgr.data());
+  const GlFramebuffer source(context_);
+  gl.NamedFramebufferTexture(source.id(), GL_COLOR_ATTACHMENT0, pixels.id(), 0);
+  require_complete(context_, source, "a picture");
+  const auto whole = [](float v) { return static_cast<GLint>(std::lround(v)); };
+  gl.BlitNamedFramebuffer(source.id(), page_->id(), 0, 0, picture.width, picture.height, whole(box.left),
+                          whole(box.top), whole(box.right), whole(box.bottom), GL_COLOR_BUFFER_BIT, GL_NEAREST);
+}
+
 const GlCanvas::Cell& GlCanvas::cell_of(char32_t character, int pixels, bool bold) {
   const auto key = std::make_tuple(character, pixels, bold);
   const auto found = cells_.find(key);

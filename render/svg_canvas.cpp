@@ -7,7 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "render/base64.h"
 #include "render/draw_figure.h"
+#include "render/image.h"
 #include "render/plot_theme.h"
 
 namespace grouser {
@@ -18,22 +20,27 @@ std::string hex(const Rgb& rgb) {
   return fmt::format("#{:02x}{:02x}{:02x}", part(rgb[0]), part(rgb[1]), part(rgb[2]));
 }
 
+/// The colours of a theme and the page's names for them.
+std::vector<std::pair<Rgb, std::string>> named_colors(const PlotTheme& theme) {
+  std::vector<std::pair<Rgb, std::string>> named{{theme.page.rgb, "--card"},
+                                                 {theme.ink.rgb, "--plot-ink"},
+                                                 {theme.muted.rgb, "--plot-muted"},
+                                                 {theme.grid.rgb, "--plot-grid"},
+                                                 {theme.minor_grid.rgb, "--plot-minor-grid"},
+                                                 {theme.axis.rgb, "--plot-axis"},
+                                                 {theme.zero.rgb, "--plot-zero"},
+                                                 {theme.mark.rgb, "--plot-mark"},
+                                                 {theme.legend_border.rgb, "--plot-border"}};
+  for (std::size_t i = 0; i < theme.palette.size(); ++i)
+    named.emplace_back(theme.palette[i], fmt::format("--s{}", i + 1));
+  return named;
+}
+
 /// A colour of the light theme by the page's name for it, any other as it is.
 std::string paint(const Rgb& rgb) {
-  const PlotTheme& theme = plot_theme(Theme::light);
-  const std::array<std::pair<const Color&, const char*>, 9> named{{{theme.page, "--card"},
-                                                                   {theme.ink, "--plot-ink"},
-                                                                   {theme.muted, "--plot-muted"},
-                                                                   {theme.grid, "--plot-grid"},
-                                                                   {theme.minor_grid, "--plot-minor-grid"},
-                                                                   {theme.axis, "--plot-axis"},
-                                                                   {theme.zero, "--plot-zero"},
-                                                                   {theme.mark, "--plot-mark"},
-                                                                   {theme.legend_border, "--plot-border"}}};
+  static const std::vector<std::pair<Rgb, std::string>> named = named_colors(plot_theme(Theme::light));
   for (const auto& [color, name] : named)
-    if (color.rgb == rgb) return fmt::format("var({},{})", name, hex(rgb));
-  for (std::size_t i = 0; i < theme.palette.size(); ++i)
-    if (theme.palette[i] == rgb) return fmt::format("var(--s{},{})", i + 1, hex(rgb));
+    if (color == rgb) return fmt::format("var({},{})", name, hex(rgb));
   return hex(rgb);
 }
 
@@ -141,6 +148,15 @@ void SvgCanvas::band(std::span<const Vector3f> points, const Color& color) {
       fmt::format("<path fill=\"{}\"{} d=\"{}z\"/>", paint(color.rgb), opacity("fill", color), path_through(outline));
 }
 
+void SvgCanvas::image(const Box& box, const Image& picture) {
+  const std::vector<std::uint8_t> png = encode_png(picture, 9);
+  body_ += fmt::format(
+      "<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\" "
+      "style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{}\"/>",
+      pixels(box.left), pixels(box.top), pixels(box.width()), pixels(box.height()),
+      base64({reinterpret_cast<const char*>(png.data()), png.size()}));
+}
+
 /// An inner picture shows nothing outside its own box, and needs no name as a clip path would.
 void SvgCanvas::clip(const Box& box) {
   const std::string place =
@@ -175,6 +191,20 @@ std::string draw_svg(const Figure& figure, const std::string& label) {
   SvgCanvas canvas(static_cast<float>(figure.width), static_cast<float>(figure.height));
   draw_on(canvas, figure, Theme::light, 1.0f);
   return canvas.element(label);
+}
+
+std::string svg_file(const Figure& figure, Theme theme) {
+  SvgCanvas canvas(static_cast<float>(figure.width), static_cast<float>(figure.height));
+  draw_on(canvas, figure, Theme::light, 1.0f);
+  std::string style =
+      "text{font-family:'DejaVu Sans',sans-serif}.l{fill:none;stroke-linecap:round;stroke-linejoin:round}svg{";
+  for (const auto& [color, name] : named_colors(plot_theme(theme))) style += fmt::format("{}:{};", name, hex(color));
+  std::string picture = canvas.element(figure.title);
+  constexpr std::string_view k_start = "<svg ";
+  picture.replace(0, k_start.size(),
+                  fmt::format("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" ", figure.width,
+                              figure.height));
+  return picture.insert(picture.find('>') + 1, "<style>" + style + "}</style>") + "\n";
 }
 
 }  // namespace grouser

@@ -18,6 +18,7 @@ class SvgCanvas : public Canvas {
   void line(std::span<const Vector2f> points, float width, const Color& color, const Dash& dash = {}) override;
   void dots(std::span<const Vector2f> points, float diameter, const Color& color) override;
   void band(std::span<const Vector3f> points, const Color& color) override;
+  void image(const Box& box, const Image& picture) override;
   void clip(const Box& box) override;
   void unclip() override;
   void text(const Vector2f& at, const std::string& text, const TextStyle& style) override;

@@ -1,5 +1,7 @@
 #include "reports/channels.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -80,6 +82,14 @@ std::optional<TimeWindow> steady_window(const RunFolder& run) {
   return best;
 }
 
+TimeWindow require_steady_window(const RunFolder& run) {
+  const std::optional<TimeWindow> window = steady_window(run);
+  if (!window)
+    throw InputError(InputFinding{(run.path / "inputs/scenario.json").string(), "/drive",
+                                  "a stretch of constant, non-zero sprocket speed", "none", ""});
+  return *window;
+}
+
 double track_feed_speed(const RunFolder& run, Side side, double omega) {
   const RunningGear& gear = run.vehicle.side(side);
   return gear.sprocket.teeth * gear.track.pitch * omega / (2.0 * k_pi);
@@ -97,6 +107,24 @@ std::vector<Probe> probes(const RunFolder& run) {
     }
   }
   return found;
+}
+
+Probe first_probe(const RunFolder& run) {
+  const std::vector<Probe> all = probes(run);
+  if (all.empty())
+    throw InputError(InputFinding{(run.path / "run.h5").string(), "/probes", "a probe link", "none",
+                                  "name probe links in the scenario's output section"});
+  return all.front();
+}
+
+std::string probe_text(const Probe& probe) {
+  return fmt::format("link {} of the {} track", probe.link, name_of(probe.side));
+}
+
+double lap_time(const RunFolder& run, Side side, const TimeWindow& steady) {
+  const Track& track = run.vehicle.side(side).track;
+  return track.num_links * track.pitch /
+         std::abs(track_feed_speed(run, side, asked_speed(run, side, steady.begin).value()));
 }
 
 std::vector<double> probe_column(const RunFolder& run, const std::string& channel, std::size_t component) {

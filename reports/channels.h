@@ -26,6 +26,8 @@ struct TimeWindow {
 /// The longest stretch in which both sprockets are asked for a constant, non-zero speed; none when there is no such
 /// stretch.
 [[nodiscard]] std::optional<TimeWindow> steady_window(const RunFolder& run);
+/// The same; InputError when there is none.
+[[nodiscard]] TimeWindow require_steady_window(const RunFolder& run);
 /// Sprocket speed that the scenario asks for at time t [rad/s]: prescribed, or what a driver's wish for the track's
 /// speed comes to; none where a torque is asked for.
 [[nodiscard]] std::optional<double> asked_speed(const RunFolder& run, Side side, double t);
@@ -40,6 +42,13 @@ struct Probe {
 };
 /// All probes, right side first (the paper shows a link of the right track).
 [[nodiscard]] std::vector<Probe> probes(const RunFolder& run);
+
+/// The first of them; InputError when no link is probed.
+[[nodiscard]] Probe first_probe(const RunFolder& run);
+/// "link 20 of the right track"
+[[nodiscard]] std::string probe_text(const Probe& probe);
+/// Time that a link takes round its track at the steady speed [s].
+[[nodiscard]] double lap_time(const RunFolder& run, Side side, const TimeWindow& steady);
 
 /// Component of a channel ("/bushing_force") of the first probe, at /probes/time; InputError when no link is probed.
 [[nodiscard]] std::vector<double> probe_column(const RunFolder& run, const std::string& channel, std::size_t component);

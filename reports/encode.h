@@ -5,10 +5,11 @@
 #include <string>
 #include <string_view>
 
+#include "render/base64.h"
+
 /// How binary and structured data travel inside one HTML file.
 namespace grouser {
 
-[[nodiscard]] std::string base64(std::string_view bytes);
 /// One gzip member, best compression, no clock time in the header: the same input gives the same bytes.
 [[nodiscard]] std::string gzip(std::string_view bytes);
 /// The values' bytes, gzip, base64: undone in the page by DecompressionStream("gzip").

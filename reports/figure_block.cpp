@@ -37,6 +37,8 @@ const char* style_name(SeriesStyle style) {
       return "points";
     case SeriesStyle::steps:
       return "steps";
+    case SeriesStyle::bars:
+      return "bars";
   }
   return "line";
 }
@@ -73,6 +75,7 @@ json chart_panel(const Panel& panel, bool over_time, std::vector<float>& values)
     if (series.color)
       entry["color"] = fmt::format("rgb({:.0f},{:.0f},{:.0f})", 255.0f * (*series.color)[0],
                                    255.0f * (*series.color)[1], 255.0f * (*series.color)[2]);
+    if (series.hue) entry["hue"] = *series.hue;
     chart["series"].push_back(entry);
   }
   chart["tables"] = json::array();
@@ -91,6 +94,7 @@ json chart_panel(const Panel& panel, bool over_time, std::vector<float>& values)
 // --------------------------------------------------------------------------------------------------- small multiples
 
 const char* look_of(SeriesStyle style) {
+  if (style == SeriesStyle::bars) return "band";
   return style == SeriesStyle::points ? "dots" : style == SeriesStyle::dashed ? "dashed" : "line";
 }
 

@@ -10,8 +10,6 @@
 namespace grouser {
 namespace {
 
-constexpr double k_degree = k_pi / 180.0;
-
 const DriveTable& drive_of(const RunFolder& run, Side side) {
   return run.scenario.drive[static_cast<std::size_t>(index_of(side))];
 }
@@ -34,10 +32,7 @@ std::optional<Panel> asked_torque(const RunFolder& run, const std::vector<double
   for (const Side side : {Side::left, Side::right}) {
     const DriveTable& table = drive_of(run, side);
     if (table.kind != DriveKind::torque) continue;
-    Series torque{.name = name_of(side),
-                  .x = time,
-                  .y = {},
-                  .style = side == Side::left ? SeriesStyle::line : SeriesStyle::dashed};
+    Series torque{.name = name_of(side), .x = time, .y = {}, .style = side_style(side)};
     for (const double t : time) torque.y.push_back(1e-3 * table_value(table.time, table.torque, t));
     panel.series.push_back(std::move(torque));
   }
@@ -62,6 +57,8 @@ Panel time_panel(const std::string& title, const std::string& y_label) {
   panel.y_label = y_label;
   return panel;
 }
+
+SeriesStyle side_style(Side side) { return side == Side::left ? SeriesStyle::line : SeriesStyle::dashed; }
 
 Figure stacked_figure(const std::string& name, const std::string& title, const std::string& caption,
                       std::vector<Panel> panels, int panel_height) {
@@ -90,10 +87,8 @@ Figure figure_speed(const RunFolder& run) {
     vehicle.series.push_back(wished_speed(run, time));
   Panel sprockets = time_panel("Sprockets", "Speed ω [rad/s]");
   for (const Side side : {Side::left, Side::right})
-    sprockets.series.push_back({.name = name_of(side),
-                                .x = time,
-                                .y = side == Side::left ? left : right,
-                                .style = side == Side::left ? SeriesStyle::line : SeriesStyle::dashed});
+    sprockets.series.push_back(
+        {.name = name_of(side), .x = time, .y = side == Side::left ? left : right, .style = side_style(side)});
   std::vector<Panel> panels{std::move(vehicle), std::move(sprockets)};
   if (std::optional<Panel> torque = asked_torque(run, time)) panels.push_back(std::move(*torque));
   return stacked_figure("speed", "Speed",
@@ -156,26 +151,6 @@ Figure figure_yaw_rate(const RunFolder& run) {
     turns = turns || std::ranges::any_of(series.y, [](double rate) { return std::abs(rate) > k_turning; });
   if (!turns) panel.y_range = {{-k_turning, k_turning}};
   return stacked_figure("yaw_rate", "Yaw rate", caption, {std::move(panel)}, 240);
-}
-
-Figure figure_suspension(const RunFolder& run) {
-  const std::vector<double> time = require_column(run, "/time");
-  std::vector<Panel> panels;
-  for (const Side side : {Side::left, Side::right}) {
-    Panel panel = time_panel(side == Side::left ? "Left" : "Right", "Arm angle [deg]");
-    for (std::size_t i = 0; i < run.vehicle.side(side).stations.size(); ++i) {
-      const std::string arm = fmt::format("arm_{}", i + 1);
-      panel.series.push_back(
-          {.name = fmt::format("arm {}", i + 1),
-           .x = time,
-           .y = scaled(require_column(run, "/joints/angle", {joint_index(run, side, arm)}), 1.0 / k_degree),
-           .width = 1.2f});
-    }
-    panels.push_back(std::move(panel));
-  }
-  return stacked_figure("suspension", "Suspension",
-                        "Angle of every road arm against its design position, counted from the front.",
-                        std::move(panels));
 }
 
 }  // namespace grouser

@@ -26,31 +26,8 @@ constexpr std::array<Partner, 6> k_partners{{{"road_wheel", "Road wheels", "road
                                              {"ground", "Ground", "the ground"},
                                              {"guide", "Centre guide", "the centre guide"}}};
 
-/// The second curve is dashed: where the sides coincide, both are seen.
-SeriesStyle side_style(Side side) { return side == Side::left ? SeriesStyle::line : SeriesStyle::dashed; }
-
-Probe first_probe(const RunFolder& run) {
-  const std::vector<Probe> all = probes(run);
-  if (all.empty())
-    throw InputError(InputFinding{(run.path / "run.h5").string(), "/probes", "a probe link", "none",
-                                  "name probe links in the scenario's output section"});
-  return all.front();
-}
-
-std::string probe_text(const Probe& probe) {
-  return fmt::format("link {} of the {} track", probe.link, name_of(probe.side));
-}
-
 bool drives_by_torque(const RunFolder& run) {
   return std::ranges::any_of(run.scenario.drive, [](const DriveTable& t) { return t.kind == DriveKind::torque; });
-}
-
-TimeWindow require_steady_window(const RunFolder& run) {
-  const std::optional<TimeWindow> window = steady_window(run);
-  if (!window)
-    throw InputError(InputFinding{(run.path / "inputs/scenario.json").string(), "/drive",
-                                  "a stretch of constant, non-zero sprocket speed", "none", ""});
-  return *window;
 }
 
 /// Contact force magnitudes of the probe over a window, one stacked panel for each partner that it meets.
@@ -129,8 +106,7 @@ Figure figure_contact_forces_zoom(const RunFolder& run) {
   const Probe probe = first_probe(run);
   const TimeWindow steady = require_steady_window(run);
   const double speed = std::abs(track_feed_speed(run, probe.side, asked_speed(run, probe.side, steady.begin).value()));
-  const Track& track = run.vehicle.side(probe.side).track;
-  const double lap = track.num_links * track.pitch / speed;
+  const double lap = lap_time(run, probe.side, steady);
   // The lap ends with the steady stretch, when transients of the drive have died away.
   Figure figure = contact_panels(run, probe, {std::max(steady.begin, steady.end - lap), steady.end});
   figure.name = "contact_forces_zoom";
@@ -155,45 +131,6 @@ Figure figure_sprocket_torque(const RunFolder& run) {
                             ? "Torque between chassis and sprocket; positive drives forward."
                             : "Torque that holds each sprocket to its speed; positive drives forward.",
                         {std::move(panel)}, 260);
-}
-
-Figure figure_torque_spectrum(const RunFolder& run) {
-  const TimeWindow window = require_steady_window(run);
-  const std::vector<double> time = require_column(run, "/probes/time");
-  // The first third of the stretch still rings from the change of drive.
-  const double begin = window.begin + (window.end - window.begin) / 3.0;
-  const auto first = std::lower_bound(time.begin(), time.end(), begin),
-             last = std::upper_bound(first, time.end(), window.end);
-  if (last - first < 16) (void)require_channel(run, "/probes/time: samples of the steady stretch");
-  const double rate = static_cast<double>(last - first - 1) / (*(last - 1) - *first);
-  Panel panel;
-  panel.x_label = "Frequency f [Hz]";
-  panel.y_label = "Torque amplitude [kN m]";
-  panel.log_y = true;
-  for (const Side side : {Side::left, Side::right}) {
-    const std::vector<double> torque = sprocket_torque(run, side);
-    const std::vector<double> part(torque.begin() + (first - time.begin()), torque.begin() + (last - time.begin()));
-    Spectrum spectrum = amplitude_spectrum(part, rate);
-    panel.series.push_back({.name = name_of(side),
-                            .x = std::move(spectrum.frequency),
-                            .y = scaled(std::move(spectrum.amplitude), k_kilo),
-                            .width = 1.3f});
-  }
-  const double passing = run.vehicle.side(Side::right).sprocket.teeth *
-                         std::abs(asked_speed(run, Side::right, window.begin).value()) / (2.0 * k_pi);
-  // Six harmonics tell the story; beyond them the line is fine print. Four decades below the peak is noise.
-  double peak = 0.0;
-  for (const Series& series : panel.series)
-    for (const double amplitude : series.y) peak = std::max(peak, amplitude);
-  panel.x_range = {{0.0, std::min(0.5 * rate, 6.2 * passing)}};
-  if (peak > 0.0) panel.y_range = {{1e-4 * peak, 2.5 * peak}};
-  if (passing < 0.5 * rate) panel.marks.push_back({passing, true, number_text(passing, 3) + " Hz link passing"});
-  return stacked_figure(
-      "torque_spectrum", "Spectrum of the sprocket torque",
-      fmt::format("Amplitude spectrum of the drive torque at steady speed, {} to {} s (Hann window). Links meet the "
-                  "sprocket at teeth × ω / 2π = {}; a tension that rides with a link would smear this line.",
-                  number_text(begin, 3), number_text(window.end, 3), quantity_text(passing, "Hz", 3)),
-      {std::move(panel)}, 260);
 }
 
 }  // namespace grouser

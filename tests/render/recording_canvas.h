@@ -1,5 +1,6 @@
 #pragma once
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "render/canvas.h"
@@ -25,6 +26,7 @@ class RecordingCanvas : public Canvas {
   std::vector<Text> texts;
   std::vector<std::vector<Vector3f>> bands;
   std::vector<Box> boxes;
+  std::vector<std::pair<Box, Image>> images;
 
   [[nodiscard]] Vector2f size() const override { return size_; }
   void fill(const Box& box, const Color&) override { boxes.push_back(box); }
@@ -35,6 +37,7 @@ class RecordingCanvas : public Canvas {
   void band(std::span<const Vector3f> points, const Color&) override {
     bands.emplace_back(points.begin(), points.end());
   }
+  void image(const Box& box, const Image& picture) override { images.emplace_back(box, picture); }
   void clip(const Box&) override {}
   void unclip() override {}
   void text(const Vector2f& at, const std::string& text, const TextStyle& style) override {

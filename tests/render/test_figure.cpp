@@ -8,6 +8,7 @@
 #include "render/decimation.h"
 #include "render/draw_figure.h"
 #include "render/gl_canvas.h"
+#include "render/heat_map.h"
 #include "tests/render/recording_canvas.h"
 
 namespace grouser {
@@ -97,6 +98,96 @@ TEST(Figure, DrawsEmptyAndConstantData) {
     EXPECT_EQ(image.width, 800);
     EXPECT_EQ(image.bgr.size(), 800U * 400U * 3U);
   }
+}
+
+Figure small_map() {
+  Figure figure;
+  figure.name = "map";
+  Panel panel{.title = "Track", .x_label = "Time t [s]", .y_label = "Link number"};
+  panel.map = HeatMap{.columns = 3,
+                      .rows = 2,
+                      .x_span = {0.0, 3.0},
+                      .y_span = {-0.5, 1.5},
+                      .values = {0.0, 50.0, 100.0, std::nan(""), 50.0, 0.0},
+                      .label = "Tension [kN]"};
+  figure.panels = {panel};
+  return figure;
+}
+
+Rgb pixel_of(const Image& image, float x, float y) {
+  const std::size_t at =
+      3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x));
+  return {static_cast<float>(image.bgr[at + 2]) / 255.0f, static_cast<float>(image.bgr[at + 1]) / 255.0f,
+          static_cast<float>(image.bgr[at]) / 255.0f};
+}
+
+void expect_color(const Rgb& found, const Rgb& expected) {
+  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(found[c], expected[c], 1.01 / 255.0);  // 8 bits
+}
+
+TEST(Map, HasItsLowestRowBelowAndABarThatTellsItsColours) {
+  const RecordingCanvas canvas = record(small_map());
+  ASSERT_EQ(canvas.images.size(), 2U);
+  const auto& [plot, cells] = canvas.images[0];
+  ASSERT_EQ(cells.width, 3);
+  ASSERT_EQ(cells.height, 2);
+  const std::vector<Rgb> colors = map_colors();
+  expect_color(pixel_of(cells, 0, 1), colors.front());  // 0 kN, first row
+  expect_color(pixel_of(cells, 2, 1), colors.back());
+  expect_color(pixel_of(cells, 0, 0), {1.0f, 1.0f, 1.0f});  // no value: the page
+  const Box& bar = canvas.images[1].first;
+  EXPECT_GT(bar.left, plot.right);
+  for (const char* text : {"0", "100", "Tension [kN]", "Link number"}) EXPECT_TRUE(canvas.wrote(text)) << text;
+}
+
+TEST(Map, IsDrawnUprightInPixels) {
+  const RecordingCanvas layout = record(small_map());
+  const Box& plot = layout.images[0].first;
+  const Image image = draw(small_map(), Theme::light, 1.0);
+  const std::vector<Rgb> colors = map_colors();
+  const auto cell = [&](float column, float row) {
+    return pixel_of(image, plot.left + (column + 0.5f) * plot.width() / 3.0f,
+                    plot.top + (row + 0.5f) * plot.height() / 2.0f);
+  };
+  expect_color(cell(2, 1), colors.back());
+  expect_color(cell(2, 0), colors.front());
+  expect_color(cell(0, 1), colors.front());
+}
+
+TEST(Map, RefusesAGridThatItsValuesDoNotFill) {
+  Figure figure = small_map();
+  figure.panels[0].map->values.pop_back();
+  EXPECT_THROW((void)draw(figure), InputError);
+}
+
+TEST(Figure, BarsStandOnZeroAndFillTheirBins) {
+  Figure figure = one_panel({0.5, 1.5, 2.5}, {2.0, 0.0, 4.0});
+  figure.panels[0].series[0].style = SeriesStyle::bars;
+  const RecordingCanvas canvas = record(figure);
+  ASSERT_EQ(canvas.bands.size(), 1U);
+  const std::vector<Vector3f>& area = canvas.bands[0];
+  ASSERT_EQ(area.size(), 6U);
+  const float bin = area[1].x() - area[0].x();
+  EXPECT_NEAR(area[5].x() - area[0].x(), 3.0f * bin, 1e-2f);
+  EXPECT_FLOAT_EQ(area[2].y(), area[2].z());  // an empty bin
+  EXPECT_NEAR(area[4].z() - area[4].y(), 2.0f * (area[0].z() - area[0].y()), 1e-2f);
+}
+
+TEST(Figure, APeakAmongAMillionPointsIsDrawn) {
+  std::vector<double> x(1000000), y(1000000, 0.0);
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = static_cast<double>(i);
+  y[654321] = 1.0;
+  Figure figure = one_panel(std::move(x), std::move(y));
+  figure.panels[0].series[0].name.clear();
+  const Image image = draw(figure, Theme::light, 1.0);
+  // Red above the middle of the picture: nothing but the peak reaches there.
+  int red = 0;
+  for (float row = 20; row < 150; ++row)
+    for (float column = 60; column < 780; ++column) {
+      const Rgb pixel = pixel_of(image, column, row);
+      red += pixel[0] > 0.8f && pixel[1] < 0.5f;
+    }
+  EXPECT_GT(red, 100);
 }
 
 TEST(Decimation, APeakAmongAMillionPointsSurvives) {

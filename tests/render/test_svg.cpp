@@ -39,6 +39,21 @@ TEST(Svg, KeepsNamesAsTextAndSaysWhatItShows) {
   EXPECT_THAT(svg, HasSubstr("role=\"img\" aria-label=\"A &quot;loop&quot; &amp; more.\""));
 }
 
+TEST(Svg, StandsAloneAsAFileInTheColoursOfItsTheme) {
+  const std::string light = svg_file(two_lines("Loop")), dark = svg_file(two_lines("Loop"), Theme::dark);
+  for (const std::string& file : {light, dark})
+    EXPECT_THAT(file, testing::StartsWith("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"300\" height=\"200\""));
+  EXPECT_THAT(light, HasSubstr("--card:#ffffff;"));
+  EXPECT_THAT(dark, HasSubstr("--card:#171a21;"));
+}
+
+TEST(Svg, HoldsAMapAsPixelsWithoutAnyRequest) {
+  Figure figure = two_lines("Map");
+  figure.panels[0].map =
+      HeatMap{.columns = 2, .rows = 1, .x_span = {0.0, 1.0}, .y_span = {0.0, 1.0}, .values = {1.0, 2.0}, .label = "F"};
+  EXPECT_THAT(draw_svg(figure, ""), HasSubstr("href=\"data:image/png;base64,"));
+}
+
 TEST(Svg, LowersSubscriptsAndComesBack) {
   SvgCanvas canvas(100.0f, 50.0f);
   canvas.text({10.0f, 20.0f}, "F_{x} [kN]", {.size = 10.0f, .color = {}});

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <set>
 
 #include "model/errors.h"
 #include "reports/channels.h"
 #include "reports/figure_block.h"
 #include "reports/report.h"
+#include "reports/run_figures.h"
 #include "tests/support/mock_run.h"
 #include "tests/support/temporary_folder.h"
 
@@ -24,7 +26,7 @@ class RunFigures : public testing::Test {
 };
 
 TEST_F(RunFigures, EachOfTheCatalogueCanBeMade) {
-  const RunFolder mock = run();
+  const RunFolder mock = run({.contact_forces = true});
   std::set<std::string> names;
   for (const FigureEntry& entry : run_figures()) {
     EXPECT_FALSE(entry.meaning.empty()) << entry.name;
@@ -34,7 +36,7 @@ TEST_F(RunFigures, EachOfTheCatalogueCanBeMade) {
     EXPECT_FALSE(figure.title.empty() || figure.caption.empty()) << entry.name;
     ASSERT_FALSE(figure.panels.empty()) << entry.name;
     for (const Panel& panel : figure.panels) {
-      EXPECT_FALSE(panel.series.empty()) << entry.name;
+      EXPECT_FALSE(panel.series.empty() && !panel.map) << entry.name;
       for (const Series& series : panel.series) {
         EXPECT_EQ(series.x.size(), series.y.size()) << entry.name << " " << series.name;
         EXPECT_GT(series.x.size(), 0u) << entry.name << " " << series.name;
@@ -108,6 +110,73 @@ TEST_F(RunFigures, SpectrumShowsTheLinkPassingLine) {
   EXPECT_NEAR(left.y[static_cast<std::size_t>(peak)], 4.0, 0.6);
   ASSERT_EQ(figure.panels.front().marks.size(), 1u);
   EXPECT_NEAR(figure.panels.front().marks.front().at, 71.62, 0.01);
+}
+
+// The mock loads every seventh link by 30 kN and 0.2 kN more a link.
+TEST_F(RunFigures, WheelLoadsAddUpToTheForceOnTheTrack) {
+  const RunFolder mock = run({.contact_forces = true});
+  double sum_of_links = 0.0;
+  for (int i = 0; i < mock.vehicle.side(Side::left).track.num_links; i += 7) sum_of_links += 30.0 + 0.2 * i;
+  for (const Panel& panel : make_run_figure(mock, "wheel_loads").panels) {
+    ASSERT_EQ(panel.series.size(), mock.vehicle.side(Side::left).stations.size());
+    for (const std::size_t row : {std::size_t{0}, std::size_t{77}, panel.series[0].y.size() - 1}) {
+      double sum = 0.0;
+      for (const Series& wheel : panel.series) sum += wheel.y[row];
+      EXPECT_NEAR(sum, sum_of_links, 1e-4);  // forces are stored in single precision
+    }
+  }
+}
+
+TEST_F(RunFigures, WheelTravelIsTheHeightOfTheArmsEnd) {
+  const RunFolder mock = run();
+  const Station& station = mock.vehicle.side(Side::left).stations[2];
+  const Vector3d arm = station.wheel.center - station.pivot;
+  const double radius = std::hypot(arm.x(), arm.z()), design = std::atan2(arm.z(), arm.x());
+  const Series& travel = make_run_figure(mock, "wheel_travel").panels[0].series[2];
+  for (const std::size_t row : {std::size_t{20}, std::size_t{60}}) {
+    const double angle = 0.02 * std::sin(9.0 * travel.x[row]);  // about +y, which turns x towards -z
+    EXPECT_NEAR(travel.y[row], 1e3 * radius * (std::sin(design - angle) - std::sin(design)), 1e-9);
+  }
+}
+
+TEST_F(RunFigures, TheTensionMapKeepsTheLargestOfEachCell) {
+  const RunFolder mock = run({.duration = 5.0});  // 1001 samples, more than cells
+  const Figure figure = make_run_figure(mock, "tension_map");
+  ASSERT_EQ(figure.panels.size(), 2u);
+  const HeatMap& map = *figure.panels[0].map;
+  EXPECT_EQ(map.rows, 76u);
+  EXPECT_LT(map.columns, 1000u);
+  const Array force = mock.channels.read("/tracks/left/bushing_force");
+  for (const std::size_t link : {0u, 33u, 75u}) {
+    double largest = 0.0, shown = 0.0;
+    for (std::size_t row = 0; row < force.rows(); ++row) largest = std::max(largest, 1e-3 * force.row(row)[3 * link]);
+    for (std::size_t column = 0; column < map.columns; ++column)
+      shown = std::max(shown, map.values[link * map.columns + column]);
+    EXPECT_DOUBLE_EQ(shown, largest);
+  }
+  EXPECT_EQ(map.color_range(), figure.panels[1].map->color_range()) << "the sides have one scale";
+}
+
+TEST_F(RunFigures, HistogramsShareOutAllSamples) {
+  const RunFolder mock = run();
+  for (const char* name : {"tension_histogram", "step_histogram"})
+    for (const Panel& panel : make_run_figure(mock, name).panels)
+      EXPECT_NEAR(std::accumulate(panel.series[0].y.begin(), panel.series[0].y.end(), 0.0), 100.0, 1e-9) << name;
+}
+
+TEST(Histogram, CountsEachValueInItsBin) {
+  const Series shares = histogram("", {0.0, 0.1, 0.9, 1.0}, 0.0, 1.0, 4);
+  EXPECT_THAT(shares.x, testing::ElementsAre(0.125, 0.375, 0.625, 0.875));
+  EXPECT_THAT(shares.y, testing::ElementsAre(50.0, 0.0, 0.0, 50.0));
+}
+
+TEST_F(RunFigures, LoopsOfABushingTurnOnceAnOscillation) {
+  const Figure figure = make_run_figure(run({.duration = 9.0}), "bushing_loops");
+  ASSERT_EQ(figure.panels.size(), 3u);
+  const Series& hinge = figure.panels[2].series[0];
+  EXPECT_NEAR(hinge.x.back() - hinge.x.front(), 0.0, 25.0);  // degrees; 0.2 rad to both sides
+  // A lap of 76 links of 0.194 m at 13.894 m/s, at 2000 Hz.
+  EXPECT_NEAR(static_cast<double>(hinge.x.size()), 76 * 0.194 / 13.894 * 2000.0, 2.0);
 }
 
 TEST_F(RunFigures, StepLimitsShareOutAllSteps) {

@@ -178,7 +178,9 @@ ChannelTable probe_table() {
                      {{"/probes/time", "s", {}, false},
                       {"/probes/sprocket_torque", "N m", {2}, false},
                       {"/probes/upper_run_tension", "N", {2}, false},
-                      {"/probes/right_20/bushing_force", "N", {3}, true}}};
+                      {"/probes/right_20/bushing_force", "N", {3}, true},
+                      {"/probes/right_20/bushing_torque", "N m", {3}, true},
+                      {"/probes/right_20/bushing_deflection", "m, rad", {6}, true}}};
   for (const std::string& partner : partners())
     table.channels.push_back({"/probes/right_20/contact_force/" + partner, "N", {3}, true});
   return table;
@@ -194,6 +196,9 @@ std::vector<double> probe_row(const Motion& motion, double t) {
                           5e4 + 2e4 * std::sin(3.0 * t) + 5e3 * std::sin(440.0 * t),
                           0.0,
                           0.0};
+  const double twist = 0.2 * std::sin(3.0 * t);
+  row.insert(row.end(), {0.0, 2e3 * twist + 50.0 * std::cos(3.0 * t), 0.0});
+  row.insert(row.end(), {row[5] / 1.5e8, 0.0, 0.0, 0.0, twist, 0.0});
   const double lap = motion.angle(t) / 40.0;
   for (std::size_t i = 0; i < partners().size(); ++i) {
     const double phase = std::fmod(lap + static_cast<double>(i) / 6.0, 1.0);
