@@ -29,9 +29,9 @@ std::size_t ChannelTable::rows_per_chunk() const {
 struct RunWriter::Impl {
   struct Table {
     std::size_t row_size = 0, chunk_rows = 0;
-    std::size_t rows = 0;                      ///< appended
-    std::vector<double> chunk;                 ///< those of a chunk that is not full yet
-    std::vector<std::vector<double>> written;  ///< chunks to use again; under `mutex`
+    std::size_t rows = 0;                    ///< appended
+    std::vector<double> chunk;               ///< those of a chunk that is not full yet
+    std::vector<std::vector<double>> spare;  ///< empty chunks; under `mutex`
   };
 
   Impl(const std::filesystem::path& path, const std::vector<ChannelTable>& channel_tables,
@@ -45,7 +45,9 @@ struct RunWriter::Impl {
   std::vector<Table> tables;
   std::mutex mutex;
   bool closed = false;
-  Worker worker{4};  // jobs that may wait: a chunk of samples comes with three, so about as much again as is worked on
+  /// Jobs: a chunk of samples comes with three others, so the writer may be a chunk behind.
+  static constexpr std::size_t k_most_waiting = 4;
+  Worker worker{k_most_waiting};
 };
 
 RunWriter::Impl::Impl(const std::filesystem::path& path, const std::vector<ChannelTable>& channel_tables,
@@ -55,6 +57,9 @@ RunWriter::Impl::Impl(const std::filesystem::path& path, const std::vector<Chann
     Table& made = tables.emplace_back();
     made.row_size = table.row_size();
     made.chunk_rows = table.rows_per_chunk();
+    // One to fill, one that is being written, the others waiting.
+    made.spare.resize(k_most_waiting + 1);
+    for (std::vector<double>& chunk : made.spare) chunk.reserve(made.row_size * made.chunk_rows);
     made.chunk.reserve(made.row_size * made.chunk_rows);
   }
   worker.post([] { silence_hdf5(); });  // a setting of each thread
@@ -75,16 +80,11 @@ void RunWriter::Impl::write_chunk(std::size_t table_i) {
     file.write(table_i, first, chunk);
     chunk.clear();
     const std::lock_guard lock(mutex);
-    tables[table_i].written.push_back(std::move(chunk));
+    tables[table_i].spare.push_back(std::move(chunk));
   });
   const std::lock_guard lock(mutex);
-  table.chunk.clear();
-  if (table.written.empty()) {
-    table.chunk.reserve(table.row_size * table.chunk_rows);
-  } else {
-    table.chunk.swap(table.written.back());
-    table.written.pop_back();
-  }
+  table.chunk = std::move(table.spare.back());
+  table.spare.pop_back();
 }
 
 void RunWriter::Impl::write_begun_chunks() {

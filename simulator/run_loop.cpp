@@ -11,7 +11,7 @@ namespace grouser {
 namespace {
 
 constexpr long k_steps_between_reports = 500;
-constexpr double k_save_period = 1.0;  // s simulated; what --resume computes again, and a chunk, at most
+constexpr double k_save_period = 2.0;  // s simulated; what --resume computes again, and a chunk, at most
 
 }  // namespace
 

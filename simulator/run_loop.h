@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -69,7 +70,7 @@ class RunLoop {
   RunRecorder recorder_;
   TrackWatch track_watch_;
   EnergyWatch energy_watch_;
-  double saved_ = -1.0;  // s, time of the last checkpoint; the first one is due at once
+  double saved_ = -std::numeric_limits<double>::infinity();  // s, time of the last checkpoint; the first is due at once
   struct {
     long accepted = 0;
     double min = 1.0, mean = 0.0, max = 0.0;

@@ -27,6 +27,19 @@ RunRecorder::RunRecorder(const System& system, const std::filesystem::path& file
   for (const DriveTable& table : system.scenario.drive) {
     for (const double speed : table.speed) largest_rate_ = std::max(largest_rate_, std::abs(speed));
   }
+  reserve_series();
+}
+
+/// Room for the whole run, or the first million rows of a very long one.
+void RunRecorder::reserve_series() {
+  const auto reserve = [&](double rate, std::initializer_list<std::vector<double>*> all) {
+    constexpr double k_most_rows = 1 << 20;
+    const double rows = std::min(rate * system_.scenario.duration + 2.0, k_most_rows);
+    for (std::vector<double>* series : all) series->reserve(static_cast<std::size_t>(rows));
+  };
+  RunSeries& s = series_;
+  reserve(system_.scenario.output.rate, {&s.time, &s.x, &s.y, &s.yaw, &s.speed, &s.yaw_rate, &s.ground_force});
+  reserve(system_.scenario.output.probe_rate, {&s.probe_time, &s.probe_torque});
 }
 
 void RunRecorder::begin(const Snapshot& now) {

@@ -40,6 +40,7 @@ class RunRecorder {
  private:
   void sample(const Snapshot& previous, const Snapshot& now);
   void sum_steps(const Stepper& stepper);
+  void reserve_series();
 
   const System& system_;
   ChannelRows rows_;

@@ -6,5 +6,7 @@ namespace grouser::test {
 /// False where a sanitizer owns the heap: then nothing is counted.
 [[nodiscard]] bool allocations_are_counted();
 [[nodiscard]] long allocation_count();
+/// Taken and not given back yet.
+[[nodiscard]] long heap_bytes();
 
 }  // namespace grouser::test
