@@ -14,7 +14,7 @@ import h5py
 from command import COMMAND, DATA, run
 
 SCENARIO = os.path.join(DATA, "scenarios/m113.json")
-OPTIONS = ["--set", "duration_s=1.2", "--set", "assembly.settle_time_s=2.6"]  # a quick settling
+OPTIONS = ["--set", "duration_s=2.6", "--set", "assembly.settle_time_s=2.6"]  # a quick settling
 CLOCK = ("wall_time_s", "assembly_wall_time_s", "real_time_factor")
 
 
