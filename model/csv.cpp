@@ -1,6 +1,7 @@
 #include "model/csv.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "model/csv_fields.h"
 
@@ -16,6 +17,8 @@ std::string shown_field(std::string_view field) {
   return field.empty() ? "nothing" : std::string("\"").append(field.substr(0, 40)).append("\"");
 }
 
+bool is_missing(std::string_view field) { return field.empty() || field == "NaN" || field == "nan" || field == "NAN"; }
+
 std::string_view without_mark(std::string_view remark) {
   while (!remark.empty() && (remark.front() == '#' || remark.front() == '%' || remark.front() == '/')) {
     remark.remove_prefix(1);
@@ -26,8 +29,8 @@ std::string_view without_mark(std::string_view remark) {
 /// Converts the rows below the header.
 class Table {
  public:
-  Table(const CsvHead& head, const std::vector<std::string>& wanted, Findings& findings)
-      : head_(head), findings_(findings), target_(head.names.size(), nullptr) {
+  Table(const CsvHead& head, const std::vector<std::string>& wanted, CsvReader::Missing missing, Findings& findings)
+      : head_(head), missing_(missing), findings_(findings), target_(head.names.size(), nullptr) {
     columns_.reserve(wanted.size());
     for (const std::string& name : wanted) columns_.push_back({name, {}});
     for (CsvColumn& column : columns_) {
@@ -47,7 +50,8 @@ class Table {
     std::string_view field;
     for (; fields.next(field); ++i) {
       if (i >= target_.size() || target_[i] == nullptr) continue;
-      const auto value = number_in(field);
+      auto value = number_in(field);
+      if (!value && missing_ == CsvReader::Missing::as_nan && is_missing(field)) value = std::nan("");
       if (!value) findings_.add(row_place(row) + ", column " + head_.names[i], "a number", shown_field(field));
       target_[i]->push_back(value.value_or(0.0));
     }
@@ -63,6 +67,7 @@ class Table {
 
  private:
   const CsvHead& head_;
+  CsvReader::Missing missing_;
   Findings& findings_;
   std::vector<CsvColumn> columns_;
   std::vector<std::vector<double>*> target_;
@@ -109,9 +114,9 @@ bool CsvReader::names_are_usable() {
   return findings_.size() == before;
 }
 
-std::vector<CsvColumn> CsvReader::read(const std::vector<std::string>& wanted) {
+std::vector<CsvColumn> CsvReader::read(const std::vector<std::string>& wanted, Missing missing) {
   if (head_.names.empty() || !names_are_usable()) return {};
-  Table table(head_, wanted, findings_);
+  Table table(head_, wanted, missing, findings_);
   const std::size_t before = findings_.size();
   const auto read_row = [&](std::string_view line, std::size_t row) {
     table.read_row(line, row);

@@ -31,8 +31,10 @@ class CsvReader {
 
   /// Columns of the given names, in the given order; called once. Other columns are not converted, so texts may stand
   /// there. A finding names row (line of the file, counted from 1) and column; after 20 of them the rest of the file
-  /// is left.
-  [[nodiscard]] std::vector<CsvColumn> read(const std::vector<std::string>& wanted);
+  /// is left. An empty field or the text NaN is a finding too, or where `missing` is as_nan a NaN: loggers of several
+  /// rates leave fields free.
+  enum class Missing { refused, as_nan };
+  [[nodiscard]] std::vector<CsvColumn> read(const std::vector<std::string>& wanted, Missing missing = Missing::refused);
 
   /// SHA-256 of the file's bytes, once it was read to its end.
   [[nodiscard]] std::string sha256() { return lines_.sha256(); }

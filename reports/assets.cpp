@@ -7,6 +7,8 @@
 #define GROUSER_ASSET(symbol) extern "C" const char symbol##_begin[], symbol##_end[]
 GROUSER_ASSET(asset_report_mustache);
 GROUSER_ASSET(asset_run_mustache);
+GROUSER_ASSET(asset_against_mustache);
+GROUSER_ASSET(asset_ratings_mustache);
 GROUSER_ASSET(asset_study_mustache);
 GROUSER_ASSET(asset_comparison_mustache);
 GROUSER_ASSET(asset_fit_mustache);
@@ -37,9 +39,11 @@ struct Template {
   const char* begin;
   const char* end;
 };
-const std::array<Template, 13> k_templates{{
+const std::array<Template, 15> k_templates{{
     {"report", asset_report_mustache_begin, asset_report_mustache_end},
     {"run", asset_run_mustache_begin, asset_run_mustache_end},
+    {"against", asset_against_mustache_begin, asset_against_mustache_end},
+    {"ratings", asset_ratings_mustache_begin, asset_ratings_mustache_end},
     {"study", asset_study_mustache_begin, asset_study_mustache_end},
     {"comparison", asset_comparison_mustache_begin, asset_comparison_mustache_end},
     {"fit", asset_fit_mustache_begin, asset_fit_mustache_end},

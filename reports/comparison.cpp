@@ -8,6 +8,7 @@
 #include "reports/input_differences.h"
 #include "reports/number_text.h"
 #include "reports/pages.h"
+#include "reports/rating_block.h"
 #include "reports/result_names.h"
 #include "reports/run_figures.h"
 
@@ -153,46 +154,88 @@ json difference_rows(const Folders& runs) {
 
 // ----------------------------------------------------------------------------------------------------------- figures
 
-/// One curve a run over time; runs without the data are passed over.
-template <typename Curve>
-Figure overlay(const Folders& runs, const std::string& name, const std::string& title, const std::string& caption,
-               const std::string& y_label, const std::string& time, const Curve& curve) {
-  Panel panel = time_panel("", y_label);
+/// The main channels of the first run against those of each other run; runs without one are passed over.
+struct ComparedChannel {
+  RunChannel channel;
+  std::vector<RatedChannel> rated;
+  std::vector<std::size_t> runs;  ///< of each rated one
+};
+
+std::vector<ComparedChannel> compared_channels(const Folders& runs, const TimeSpan& window) {
+  std::vector<ComparedChannel> compared;
+  for (const RunChannel& channel : main_channels(runs.front())) {
+    ComparedChannel& entry = compared.emplace_back(ComparedChannel{channel, {}, {}});
+    const TimeSeries reference = read_channel(runs.front(), channel);
+    for (std::size_t k = 1; k < runs.size(); ++k) {
+      const std::vector<RunChannel> own = main_channels(runs[k]);
+      if (std::ranges::find(own, channel.name, &RunChannel::name) == own.end()) continue;
+      entry.rated.push_back(rate_channel(channel, reference, read_channel(runs[k], channel), window));
+      entry.runs.push_back(k);
+    }
+  }
+  // What stands still in the first run and in every other tells nothing.
+  std::erase_if(compared, [](const ComparedChannel& entry) {
+    return std::ranges::all_of(entry.rated, [](const RatedChannel& rated) {
+      return is_flat(rated.reference.value) && is_flat(rated.other.value);
+    });
+  });
+  return compared;
+}
+
+/// How like the first run each other one is, run by run.
+json rating_blocks(const Folders& runs, const std::vector<ComparedChannel>& compared, const RatingLimits& limits) {
+  json blocks = json::array();
+  for (std::size_t k = 1; k < runs.size(); ++k) {
+    std::vector<RatedChannel> rated;
+    for (const ComparedChannel& entry : compared)
+      for (std::size_t i = 0; i < entry.rated.size(); ++i)
+        if (entry.runs[i] == k) rated.push_back(entry.rated[i]);
+    if (rated.empty()) continue;
+    json block = ratings_facts(rated, limits, false);
+    block["caption"] =
+        fmt::format("How like the channels of {} are to those of {}", runs[k].summary.name, runs.front().summary.name);
+    blocks.push_back(block);
+  }
+  return blocks;
+}
+
+/// The step sizes of all runs; runs without them are passed over.
+Figure step_figure(const Folders& runs) {
+  Panel panel = time_panel("", "Step [ms]");
   for (const RunFolder& run : runs) {
     try {
-      panel.series.push_back(
-          {.name = run.summary.name, .x = require_column(run, time), .y = curve(run), .width = 1.3f});
+      panel.series.push_back({.name = run.summary.name,
+                              .x = require_column(run, "/steps/time"),
+                              .y = scaled(require_column(run, "/steps/size"), 1e3),
+                              .width = 1.3f});
     } catch (const InputError&) {
       continue;
     }
   }
-  return stacked_figure(name, title, caption, {std::move(panel)}, 260);
+  return stacked_figure("step", "Step size", "Accepted steps of the integrator.", {std::move(panel)}, 260);
 }
 
-json overlay_figures(const Folders& runs, const std::string& id) {
-  const std::vector<Figure> figures{
-      overlay(runs, "compare_speed", "Speed", "Forward speed of each run.", "Speed v [m/s]", "/time",
-              [](const RunFolder& run) { return forward_speed(run); }),
-      overlay(runs, "compare_tension", "Tension of the upper run",
-              "Mean over the bushings of the upper run of the right track.", "Tension [kN]", "/probes/time",
-              [](const RunFolder& run) { return scaled(upper_run_tension(run, Side::right), 1e-3); }),
-      overlay(runs, "compare_link_tension", "Tension in one bushing",
-              "Longitudinal force in the first probed bushing of each run as its link runs round the track.",
-              "Tension [kN]", "/probes/time",
-              [](const RunFolder& run) { return scaled(probe_column(run, "/bushing_force", 0), 1e-3); }),
-      overlay(runs, "compare_torque", "Sprocket torque", "Drive torque of the right sprocket.", "Drive torque [kN m]",
-              "/probes/time", [](const RunFolder& run) { return scaled(sprocket_torque(run, Side::right), 1e-3); }),
-      overlay(runs, "compare_step", "Step size", "Accepted steps of the integrator.", "Step [ms]", "/steps/time",
-              [](const RunFolder& run) { return scaled(require_column(run, "/steps/size"), 1e3); })};
+json overlay_figures(const Folders& runs, const std::vector<ComparedChannel>& compared, const std::string& id) {
+  std::vector<Figure> figures;
+  for (const ComparedChannel& entry : compared) {
+    std::vector<const RatedChannel*> rated;
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < entry.rated.size(); ++i) {
+      rated.push_back(&entry.rated[i]);
+      names.push_back(runs[entry.runs[i]].summary.name);
+    }
+    if (!rated.empty()) figures.push_back(overlay_figure(rated, runs.front().summary.name, names));
+  }
+  if (Figure steps = step_figure(runs); !steps.panels.front().series.empty()) figures.push_back(std::move(steps));
   json blocks = json::array();
-  for (const Figure& figure : figures)
-    if (!figure.panels.front().series.empty()) blocks.push_back(figure_block(figure, id + "-figure-" + figure.name));
+  for (const Figure& figure : figures) blocks.push_back(figure_block(figure, id + "-figure-" + figure.name));
   return blocks;
 }
 
 }  // namespace
 
-json comparison_facts(const Folders& runs, const std::string& id, int level) {
+json comparison_facts(const Folders& runs, const ComparisonOptions& options, const std::string& id, int level) {
+  const std::vector<ComparedChannel> compared = compared_channels(runs, options.window);
   json facts{{"id", id},
              {"figure_level", level + 1},
              {"runs", json::array()},
@@ -201,7 +244,8 @@ json comparison_facts(const Folders& runs, const std::string& id, int level) {
              {"inputs", difference_rows(runs)},
              {"groups", result_groups(runs)},
              {"checks", check_rows(runs)},
-             {"figures", overlay_figures(runs, id)}};
+             {"ratings", rating_blocks(runs, compared, options.limits)},
+             {"figures", overlay_figures(runs, compared, id)}};
   facts["connection"] = connection_facts(runs);
   facts["has_inputs"] = !facts["inputs"].empty();
   facts["has_checks"] = !facts["checks"].empty();

@@ -7,7 +7,9 @@
 #include "model/fit.h"
 #include "model/replay.h"
 #include "model/run.h"
+#include "reports/common_base.h"
 #include "reports/input_differences.h"
+#include "reports/rating_limits.h"
 
 /// The facts of a page, ready for its template and for its machine-readable twin: every number stands as `text` in the
 /// form that the page shows, beside its `value` in SI. Keys with k_payload_prefix hold base64 and only go to the page.
@@ -56,9 +58,15 @@ struct RigFolder {
 /// What follows that number, which `runs` rise with: two sentences, small multiples and a table.
 [[nodiscard]] nlohmann::json study_facts(const std::vector<RunFolder>& runs, const InputDifference& parameter,
                                          const std::string& id, int level);
+/// How the channels of runs are held against those of the first one.
+struct ComparisonOptions {
+  TimeSpan window = k_all_time;
+  RatingLimits limits;
+};
 /// Several runs side by side: the inputs in which they differ, every result with its difference from the first run, the
-/// checks of all, and overlaid figures.
-[[nodiscard]] nlohmann::json comparison_facts(const std::vector<RunFolder>& runs, const std::string& id, int level);
+/// checks of all, how like the first run's channels theirs are, and overlaid figures.
+[[nodiscard]] nlohmann::json comparison_facts(const std::vector<RunFolder>& runs, const ComparisonOptions& options,
+                                              const std::string& id, int level);
 
 /// {title, findings[], paper} on what the rubber of one bushing carries, of two runs of which one has single and the
 /// other double pins; else false.

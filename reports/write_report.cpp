@@ -6,8 +6,10 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <stdexcept>
 
 #include "model/errors.h"
+#include "reports/against_page.h"
 #include "reports/assets.h"
 #include "reports/figure_block.h"
 #include "reports/pages.h"
@@ -153,38 +155,131 @@ std::string title_of(const json& page, const Opened& opened, std::size_t parts) 
              : fmt::format("{} results side by side", parts);
 }
 
-json page_facts(Opened opened) {
+/// A page without any part.
+json empty_page(bool several) {
+  return {{"format", "grouser.report/1"},
+          {"against", json::array()},
+          {"runs", json::array()},
+          {"fits", json::array()},
+          {"rigs", json::array()},
+          {"study", false},
+          {"compares", false},
+          {"comparison", false},
+          {"fit_comparison", false},
+          {"version", program_version()},
+          {"several", several}};
+}
+
+RatingLimits limits_of(const ReportOptions& options) {
+  RatingLimits limits;
+  for (const std::string& limit : options.limits) limits.set(limit);
+  return limits;
+}
+
+json page_facts(Opened opened, const ReportOptions& options) {
   const std::size_t parts = opened.runs.size() + opened.fits.size() + opened.rigs.size();
   const int level = parts == 1 ? 1 : 2;
-  json page{{"format", "grouser.report/1"},
-            {"runs", json::array()},
-            {"fits", json::array()},
-            {"rigs", json::array()},
-            {"several", parts > 1}};
+  json page = empty_page(parts > 1);
   for (std::size_t i = 0; i < opened.fits.size(); ++i)
     page["fits"].push_back(fit_facts(opened.fits[i], fmt::format("fit{}", i + 1), level));
   for (std::size_t i = 0; i < opened.rigs.size(); ++i)
     page["rigs"].push_back(rig_facts(opened.rigs[i], fmt::format("rig{}", i + 1), level));
   add_runs(opened, level, page);
   page["compares"] = opened.runs.size() > 1;
-  page["comparison"] = opened.runs.size() > 1 ? comparison_facts(opened.runs, "comparison", level) : json(false);
-  page["fit_comparison"] =
-      opened.fits.size() > 1 ? fit_comparison_facts(opened.fits, "fit-comparison", level) : json(false);
+  if (opened.runs.size() > 1)
+    page["comparison"] =
+        comparison_facts(opened.runs, {{options.from, options.to}, limits_of(options)}, "comparison", level);
+  if (opened.fits.size() > 1) page["fit_comparison"] = fit_comparison_facts(opened.fits, "fit-comparison", level);
   page["page_title"] = title_of(page, opened, parts);
-  page["version"] = program_version();
   page["contents"] = contents(page);
+  return page;
+}
+
+/// Links of a page of runs against a measurement.
+json against_contents(const json& page) {
+  json links = json::array();
+  for (const json& part : page["against"]) {
+    const std::string id = part["id"];
+    if (page["several"].get<bool>()) {
+      links.push_back({{"key", id}, {"text", part["title"]}});
+      continue;
+    }
+    links.push_back({{"key", id + "-ratings"}, {"text", "Ratings"}});
+    for (const json& figure : part["figures"]) links.push_back({{"key", figure["id"]}, {"text", figure["title"]}});
+    if (part["cross"].is_object()) links.push_back({{"key", part["cross"]["id"]}, {"text", part["cross"]["title"]}});
+    links.push_back({{"key", id + "-channels"}, {"text", "Channels"}});
+    links.push_back({{"key", id + "-provenance"}, {"text", "Provenance"}});
+  }
+  return links;
+}
+
+/// Runs against a measurement, and nothing else: each has a page of its own for the rest.
+json against_page(const Opened& opened, const ReportOptions& options, std::vector<ChannelVerdict>& verdicts) {
+  if (!opened.fits.empty() || !opened.rigs.empty())
+    throw InputError(InputFinding{(opened.fits.empty() ? opened.rigs.front().path : opened.fits.front().path).string(),
+                                  "", "a run folder, as of everything that is held against a measurement",
+                                  "a folder without a run", ""});
+  const RatingLimits limits = limits_of(options);
+  const bool several = opened.runs.size() > 1;
+  json page = empty_page(several);
+  for (std::size_t i = 0; i < opened.runs.size(); ++i) {
+    const RunFolder& run = opened.runs[i];
+    const Measurement measurement = read_measurement(options.against, channels_of(run), options);
+    const std::vector<RatedChannel> rated = rate_against(run, measurement, options);
+    for (const RatedChannel& channel : rated)
+      verdicts.push_back({run.summary.name, channel.name, channel.unrated.empty() && meets_limits(channel, limits),
+                          rating_verdict(channel, limits)});
+    page["against"].push_back(
+        against_facts(run, measurement, rated, limits, options, fmt::format("against{}", i + 1), several ? 2 : 1));
+  }
+  page["page_title"] = several
+                           ? fmt::format("{} runs against {}", opened.runs.size(), options.against.filename().string())
+                           : page["against"][0]["title"].get<std::string>();
+  page["contents"] = against_contents(page);
   return page;
 }
 
 }  // namespace
 
-void write_report(const std::vector<std::filesystem::path>& folders, const std::filesystem::path& html_file) {
-  const json page = page_facts(open_folders(folders));
+std::string limit_problem(const std::string& limit) {
+  try {
+    RatingLimits().set(limit);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::vector<ChannelEntry> run_channels(const std::filesystem::path& folder) {
+  constexpr std::size_t k_each = 8;  // of a dataset, more are told by the first and the last
+  std::vector<ChannelEntry> entries;
+  const std::vector<RunChannel> channels = channels_of(open_run(folder));
+  for (std::size_t i = 0; i < channels.size();) {
+    const RunChannel& first = channels[i];
+    std::size_t end = i + 1;
+    while (end < channels.size() && !first.column.dataset.empty() &&
+           channels[end].column.dataset == first.column.dataset)
+      ++end;
+    const bool many = end - i > k_each;
+    if (many) entries.push_back({first.name + " … " + channels[end - 1].name, first.unit, first.meaning});
+    for (std::size_t k = i; !many && k < end; ++k)
+      entries.push_back({channels[k].name, channels[k].unit, channels[k].meaning});
+    i = end;
+  }
+  return entries;
+}
+
+std::vector<ChannelVerdict> write_report(const std::vector<std::filesystem::path>& folders,
+                                         const std::filesystem::path& html_file, const ReportOptions& options) {
+  std::vector<ChannelVerdict> verdicts;
+  const json page = options.against.empty() ? page_facts(open_folders(folders), options)
+                                            : against_page(open_folders(folders), options, verdicts);
   const std::string html = render_page("report", page);
   std::filesystem::path twin = html_file;
   twin.replace_extension(".json");
   write_whole(twin, without_payloads(page).dump(1) + "\n");
   write_whole(html_file, html);
+  return verdicts;
 }
 
 }  // namespace grouser

@@ -6,7 +6,7 @@ const grouserCharts = (() => {
 
   const css = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
   const palette = ["--s1", "--s2", "--s3", "--s4", "--s5", "--s6", "--s7", "--s8"];
-  const colorOf = (series, i) => series.color || css(palette[i % palette.length]);
+  const colorOf = (series, i) => series.color || css(palette[(series.hue ?? i) % palette.length]);
   const unitOf = label => (/\[([^\]]*)\]\s*$/.exec(label) || ["", ""])[1];
   const number = (v, digits) => {
     if (v == null || Number.isNaN(v)) return "–";

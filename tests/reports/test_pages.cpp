@@ -392,7 +392,8 @@ TEST_F(Pages, FiguresWithoutDataAreLeftOutWithASentence) {
 TEST_F(Pages, SeveralRunsAreCompared) {
   const std::string text = visible_text(report({"run_a", "run_b"}));
   EXPECT_THAT(text, HasSubstr("Comparison"));
-  EXPECT_THAT(text, HasSubstr("Tension of the upper run"));
+  EXPECT_THAT(text, HasSubstr("Upper run tension right"));
+  EXPECT_THAT(text, HasSubstr("How like the channels of Run B are to those of Run A"));
 }
 
 TEST_F(Pages, RunsOfOneNameAreToldApartByTheirFolders) {

@@ -126,7 +126,7 @@ TEST_F(Studies, AScaleOfOneAxisIsToldFromOneOfAll) {
 TEST_F(Studies, TwoRunsShowDifferenceAndChangeOfEveryResult) {
   write("a");
   write("b", {.failing_check = true, .bushing_scale = 16.0});
-  const json comparison = comparison_facts(open({"a", "b"}), "comparison", 2);
+  const json comparison = comparison_facts(open({"a", "b"}), {}, "comparison", 2);
   const json tension = find_row(comparison["groups"], "Largest tension in a bushing");
   EXPECT_NEAR(tension["difference"]["value"].get<double>(), 178.8e3, 1e-6);
   EXPECT_EQ(tension["difference"]["text"], "+179 kN");
