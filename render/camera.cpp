@@ -88,6 +88,12 @@ Matrix4f Camera::view_projection(float aspect) const {
   return projection * look_at(eye, target, up);
 }
 
+float Camera::pixels_per_metre(float distance, int height) const {
+  const float seen =
+      parallel_height > 0.0f ? parallel_height : 2.0f * std::max(distance, near_plane) * std::tan(0.5f * field_of_view);
+  return static_cast<float>(height) / seen;
+}
+
 double heading_of(const Quaterniond& orientation) {
   const Vector3d forward = orientation * Vector3d::UnitX();
   return std::atan2(forward.y(), forward.x());

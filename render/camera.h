@@ -23,6 +23,12 @@ struct Camera {
     return parallel_height > 0.0f && std::abs((target - eye).normalized().z()) < 1e-3f;
   }
 
+  /// How far a point lies behind the eye, along the line of sight of a parallel view [m].
+  [[nodiscard]] float distance_of(const Vector3f& p) const {
+    return parallel_height > 0.0f ? (target - eye).normalized().dot(p - eye) : (p - eye).norm();
+  }
+  /// Size of a metre across the line of sight in a picture of `height` pixels; before the near plane as on it.
+  [[nodiscard]] float pixels_per_metre(float distance, int height) const;
   /// World to clip space for a picture of the given width / height.
   [[nodiscard]] Matrix4f view_projection(float aspect) const;
 };

@@ -92,15 +92,15 @@ void add_part(const VisualPart& part, Mesh& mesh) {
   }
 }
 
-void add_tube(const VisualTube& tube, Mesh& mesh) {
+void add_tube(const VisualTube& tube, const Detail& detail, Mesh& mesh) {
   const Vector3f from = tube.from.cast<float>(), along = (tube.to - tube.from).cast<float>();
   const auto r = static_cast<float>(tube.radius);
   const float length = along.norm(), lip = std::min(0.15f * r, 0.1f * length), bore = 0.55f * r;
   const Material paint{parse_color(tube.color), 0.35f}, dark{{0.05f, 0.05f, 0.05f}, 0.05f};
   Mesh body;
   body.add_lathe({{0, 0}, {r - lip, 0}, {r, lip}, {r, length - lip}, {r - lip, length}, {bore, length}},
-                 r > 0.03f ? 24 : 8, Vector3f::Zero(), paint);
-  body.add_lathe({{bore, length}, {0, length}}, r > 0.03f ? 24 : 8, Vector3f::Zero(), dark);
+                 detail.segments(r), Vector3f::Zero(), paint);
+  body.add_lathe({{bore, length}, {0, length}}, detail.segments(r), Vector3f::Zero(), dark);
   const Eigen::Quaternionf turn = Eigen::Quaternionf::FromTwoVectors(Vector3f::UnitY(), along);
   mesh.append(body, Eigen::Affine3f(Eigen::Translation3f(from) * turn));
 }
@@ -130,11 +130,11 @@ VisualPart plain_hull(const Vehicle& vehicle) {
 
 }  // namespace
 
-Mesh chassis_mesh(const Vehicle& vehicle) {
+Mesh chassis_mesh(const Vehicle& vehicle, const Detail& detail) {
   Mesh mesh;
   if (vehicle.visual_parts.empty()) add_part(plain_hull(vehicle), mesh);
   for (const VisualPart& part : vehicle.visual_parts) add_part(part, mesh);
-  for (const VisualTube& tube : vehicle.visual_tubes) add_tube(tube, mesh);
+  for (const VisualTube& tube : vehicle.visual_tubes) add_tube(tube, detail, mesh);
   return mesh;
 }
 

@@ -20,6 +20,18 @@ Placed placed(const Vector3d& position, double angle = 0.0) {
 
 Placed placed(const BodyPose& pose) { return Eigen::Translation3d(pose.position) * Placed(pose.orientation); }
 
+/// A connector from the front pin of a link to the rear pin of the next one.
+Placed placed_between(const BodyPose& link, const BodyPose& next, const Track& track) {
+  const Vector3d joint(0.5 * (track.pitch - track.connector.length), 0.0, 0.0);
+  const Vector3d rear = link.position + link.orientation * joint, front = next.position - next.orientation * joint;
+  Eigen::Matrix3d axes;
+  axes.col(0) = (front - rear).normalized();
+  const Vector3d up = link.orientation * Vector3d::UnitZ() + next.orientation * Vector3d::UnitZ();
+  axes.col(1) = up.cross(axes.col(0)).normalized();
+  axes.col(2) = axes.col(0).cross(axes.col(1));
+  return Eigen::Translation3d(0.5 * (rear + front)) * Placed(axes);
+}
+
 Instance instance(const Placed& X_WB, const Eigen::Vector4f& tint = Eigen::Vector4f::Zero()) {
   return {X_WB.matrix().cast<float>(), tint, 0.0f};
 }
@@ -29,33 +41,44 @@ Instance instance(const Placed& X_WB, const Eigen::Vector4f& tint = Eigen::Vecto
 VehicleModel::VehicleModel(const Vehicle& vehicle, const std::vector<ProbeLink>& probes)
     : vehicle_(vehicle), probes_(probes) {
   meshes_ = std::make_shared<std::vector<SceneMesh>>();
-  const auto add = [this](Mesh shape, Mesh shadow = {}) {
-    shape.weld();
-    shadow.weld();
-    meshes_->push_back({std::move(shape), std::move(shadow)});
+  const auto add = [this](const auto& make, Mesh shadow = {}) {
+    SceneMesh mesh{make(Detail{Detail::k_middle}), std::move(shadow), false, make(Detail{Detail::k_coarse}),
+                   make(Detail{Detail::k_fine})};
+    for (Mesh* each : {&mesh.shape, &mesh.shadow, &mesh.coarse, &mesh.fine}) each->weld();
+    meshes_->push_back(std::move(mesh));
     return meshes_->size() - 1;
   };
-  chassis_mesh_ = add(chassis_mesh(vehicle));
+  const auto add_discs = [&add](Mesh make(const DiscPair&, const Detail&), const DiscPair& discs) {
+    return add([&](const Detail& detail) { return make(discs, detail); }, disc_pair_shadow_mesh(discs));
+  };
+  const auto add_arm = [&add](const Vector3d& pivot, const DiscPair& wheel, double inboard) {
+    const auto make = [&](const Detail& detail) { return arm_mesh(wheel.center - pivot, wheel, inboard, detail); };
+    return add(make, make(Detail{Detail::k_coarse}));
+  };
+  chassis_mesh_ = add([&](const Detail& detail) { return chassis_mesh(vehicle, detail); });
   for (std::size_t s = 0; s < k_num_sides; ++s) {
     const RunningGear& gear = vehicle.sides[s];
     const double inboard = gear.track_center_y > 0.0 ? -1.0 : 1.0;
     SideMeshes& own = side_meshes_[s];
     for (const Station& station : gear.stations) {
-      own.arms.push_back(add(arm_mesh(station.wheel.center - station.pivot, station.wheel, inboard)));
-      own.wheels.push_back(add(road_wheel_mesh(station.wheel)));
+      own.arms.push_back(add_arm(station.pivot, station.wheel, inboard));
+      own.wheels.push_back(add_discs(road_wheel_mesh, station.wheel));
     }
-    for (const DiscPair& roller : gear.support_rollers) own.rollers.push_back(add(roller_mesh(roller)));
-    own.idler_arm = add(arm_mesh(gear.idler.wheel.center - gear.idler.pivot, gear.idler.wheel, inboard));
-    own.idler = add(idler_mesh(gear.idler.wheel));
-    own.sprocket = add(sprocket_mesh(gear.sprocket, gear.track));
-    own.link = add(link_mesh(gear.track), link_shadow_mesh(gear.track));
+    for (const DiscPair& roller : gear.support_rollers) own.rollers.push_back(add_discs(roller_mesh, roller));
+    own.idler_arm = add_arm(gear.idler.pivot, gear.idler.wheel, inboard);
+    own.idler = add_discs(idler_mesh, gear.idler.wheel);
+    const auto sprocket = [&](const Detail& detail) { return sprocket_mesh(gear.sprocket, gear.track, detail); };
+    own.sprocket = add(sprocket, sprocket(Detail{Detail::k_coarse}));
+    own.link = add([&](const Detail& detail) { return link_mesh(gear.track, detail); }, link_shadow_mesh(gear.track));
+    if (gear.track.connection == Connection::double_pin)
+      own.connector = add([&](const Detail& detail) { return connector_mesh(gear.track, detail); });
   }
 }
 
 std::size_t VehicleModel::add_annotation(Mesh shape) {
   shape.weld();
   meshes_ = std::make_shared<std::vector<SceneMesh>>(*meshes_);  // scenes that were placed keep theirs
-  meshes_->push_back({std::move(shape), {}, true});
+  meshes_->push_back({std::move(shape), {}, true, {}, {}});
   return meshes_->size() - 1;
 }
 
@@ -99,6 +122,9 @@ Scene VehicleModel::place(const VehiclePose& pose) const {
                                    : i % k_tinted_every == 0 ? k_link_tint
                                                              : Eigen::Vector4f(Eigen::Vector4f::Zero());
       put(mesh.link, instance(placed(pose.links[s][i]), tint));
+      if (!mesh.connector) continue;
+      const BodyPose& next = pose.links[s][(i + 1) % pose.links[s].size()];
+      put(*mesh.connector, instance(placed_between(pose.links[s][i], next, gear.track)));
     }
   }
   const Subject about = subject(pose, 0.0);

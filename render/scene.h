@@ -12,9 +12,10 @@
 namespace grouser {
 
 struct SceneMesh {
-  Mesh shape;
+  Mesh shape;               ///< for up to Detail::k_middle pixels a metre
   Mesh shadow;              ///< coarser outline for the shadow map; empty = shape
   bool annotation = false;  ///< drawn after all else, faintly where it is hidden; casts no shadow
+  Mesh coarse{}, fine{};    ///< for up to Detail::k_coarse pixels a metre, and for more than k_middle; empty = shape
 };
 
 struct Instance {
@@ -64,6 +65,7 @@ class VehicleModel {
   struct SideMeshes {
     std::vector<std::size_t> arms, wheels, rollers;
     std::size_t idler_arm = 0, idler = 0, sprocket = 0, link = 0;
+    std::optional<std::size_t> connector;  ///< of double pins
   };
   Vehicle vehicle_;
   std::vector<ProbeLink> probes_;

@@ -10,7 +10,8 @@ namespace grouser {
 namespace {
 
 constexpr int k_shadow_size = 2048;
-constexpr int k_samples = 4;  ///< llvmpipe offers 1 or 4
+constexpr int k_samples = 4;                     ///< llvmpipe offers 1 or 4
+constexpr GLsizei k_sky_vertices = 32 * 24 * 6;  ///< fields of shaders/sky_vertex.glsl
 
 /// The uniform block of shaders/frame.glsl (std140).
 struct FrameBlock {
@@ -34,6 +35,13 @@ void require_size(int width, int height) {
 constexpr float k_ghost = 0.3f;    ///< share that is drawn of a see-through body: one of four samples
 constexpr float k_hidden = 0.42f;  ///< opacity of annotations where something stands before them
 
+/// Whether a pixel at the vehicle is so much larger than a texel of the shadow map that nothing is left to soften.
+bool pixels_are_large(const Scene& scene, int height) {
+  const float distance = scene.camera.distance_of(scene.shadow_center),
+              texel = 2.0f * scene.shadow_radius / k_shadow_size;
+  return 1.0f > 1.5f * texel * scene.camera.pixels_per_metre(distance, height);
+}
+
 /// World to the clip space of the sun's parallel view of the shadow sphere, moved by whole texels only, so that the
 /// edges of shadows stand still on a vehicle that moves.
 Matrix4f light_projection(const Scene& scene) {
@@ -54,15 +62,12 @@ SceneRenderer::SceneRenderer(const GlContext& context, int width, int height)
   context.make_current();
   const GlApi& gl = context.gl();
   using namespace shaders;
-  programs_.body =
-      make_program(context, "body", {frame(), instance(), body_vertex()}, {frame(), light(), body_fragment()});
+  programs_.soft = make_lit_programs("");
+  programs_.hard = make_lit_programs("#define LARGE_PIXELS\n");
   programs_.shadow = make_program(context, "shadow", {frame(), instance(), shadow_vertex()}, {shadow_fragment()});
-  programs_.ground = make_program(context, "ground", {frame(), ground_vertex()}, {frame(), light(), ground_fragment()});
-  programs_.terrain =
-      make_program(context, "terrain", {frame(), terrain_vertex()}, {frame(), light(), ground_fragment()});
   programs_.section =
       make_program(context, "section", {frame(), terrain_vertex()}, {frame(), light(), section_fragment()});
-  programs_.sky = make_program(context, "sky", {frame(), sky_vertex()}, {frame(), light(), sky_fragment()});
+  programs_.sky = make_program(context, "sky", {frame(), light(), sky_vertex()}, {sky_fragment()});
   frame_ = GlBuffer(context);
   instances_ = GlBuffer(context);
   no_vertices_ = GlVertexArray(context);
@@ -78,18 +83,33 @@ SceneRenderer::SceneRenderer(const GlContext& context, int width, int height)
 
   color_samples_ = GlRenderbuffer(context);
   depth_samples_ = GlRenderbuffer(context);
-  gl.NamedRenderbufferStorageMultisample(color_samples_.id(), k_samples, GL_SRGB8_ALPHA8, width, height);
+  gl.NamedRenderbufferStorageMultisample(color_samples_.id(), k_samples, GL_RGBA8, width, height);
   gl.NamedRenderbufferStorageMultisample(depth_samples_.id(), k_samples, GL_DEPTH_COMPONENT24, width, height);
   samples_ = GlFramebuffer(context);
   gl.NamedFramebufferRenderbuffer(samples_.id(), GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, color_samples_.id());
   gl.NamedFramebufferRenderbuffer(samples_.id(), GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_samples_.id());
   require_complete(context, samples_, "the scene");
 
-  picture_color_ = make_texture(context, GL_SRGB8_ALPHA8, width, height);
+  picture_color_ = make_texture(context, GL_RGBA8, width, height);
   picture_ = GlFramebuffer(context);
   gl.NamedFramebufferTexture(picture_.id(), GL_COLOR_ATTACHMENT0, picture_color_.id(), 0);
   require_complete(context, picture_, "the picture");
   context.check("setting up the scene renderer");
+}
+
+SceneRenderer::LitPrograms SceneRenderer::make_lit_programs(std::string_view option) const {
+  using namespace shaders;
+  const auto make = [&](const std::string& name, const std::vector<std::string_view>& vertex,
+                        std::string_view fragment) {
+    return make_program(context_, name, vertex, {frame(), option, light(), fragment});
+  };
+  return {make("body", {frame(), light(), instance(), body_vertex()}, body_fragment()),
+          make("ground", {frame(), ground_vertex()}, ground_fragment()),
+          make("terrain", {frame(), terrain_vertex()}, ground_fragment())};
+}
+
+const SceneRenderer::GlMesh& SceneRenderer::Shapes::of(Detail::Level level) const {
+  return shape[level].num_indices > 0 ? shape[level] : shape[Detail::middle];
 }
 
 SceneRenderer::GlMesh SceneRenderer::upload(const Mesh& mesh) const {
@@ -117,10 +137,15 @@ void SceneRenderer::upload(const std::shared_ptr<const std::vector<SceneMesh>>& 
   if (meshes == meshes_) return;
   meshes_ = meshes;
   shapes_.clear();
-  shadows_.clear();
+  balls_.clear();
+  const auto if_any = [this](const Mesh& mesh) { return mesh.indices.empty() ? GlMesh{} : upload(mesh); };
   for (const SceneMesh& mesh : *meshes) {
-    shapes_.push_back(upload(mesh.shape));
-    shadows_.push_back(upload(mesh.shadow.indices.empty() ? mesh.shape : mesh.shadow));
+    Shapes& shapes = shapes_.emplace_back();
+    shapes.shape[Detail::coarse] = if_any(mesh.coarse);
+    shapes.shape[Detail::middle] = upload(mesh.shape);
+    shapes.shape[Detail::fine] = if_any(mesh.fine);
+    shapes.shadow = upload(mesh.shadow.indices.empty() ? mesh.shape : mesh.shadow);
+    balls_.push_back(ball_round(mesh.shape));
   }
 }
 
@@ -141,7 +166,7 @@ void SceneRenderer::upload_frame(const Scene& scene) {
   gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, frame_.id());
 }
 
-void SceneRenderer::upload_instances(const Scene& scene) {
+void SceneRenderer::upload_instances(const VisibleParts& visible) {
   const GlApi& gl = context_.gl();
   std::vector<InstanceBlock> blocks;
   const auto add = [&blocks](const Instance& each) {
@@ -150,61 +175,53 @@ void SceneRenderer::upload_instances(const Scene& scene) {
     Eigen::Map<Eigen::Vector4f>(block.tint.data()) = each.tint;
     block.look = {each.glow, 0.0f, 0.0f, 0.0f};
   };
-  for (const std::vector<Instance>& group : scene.instances) std::for_each(group.begin(), group.end(), add);
+  for (const Instance* each : visible.instances()) add(*each);
+  trails_instance_ = blocks.size();
   Instance trails;
   trails.glow = 1.0f;
   add(trails);
-  trails_instance_ = static_cast<GLint>(blocks.size()) - 1;
   gl.NamedBufferData(instances_.id(), static_cast<GLsizeiptr>(blocks.size() * sizeof(InstanceBlock)), blocks.data(),
                      GL_STREAM_DRAW);
   gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, instances_.id());
 }
 
-bool SceneRenderer::belongs(const Scene& scene, std::size_t mesh, Pass pass) {
-  const bool annotation = (*scene.meshes)[mesh].annotation;
-  if (pass == Pass::annotations || annotation) return (pass == Pass::annotations) == annotation;
-  const bool see_through = scene.see_through == mesh;
-  return pass == Pass::shadows || (pass == Pass::see_through) == see_through;
+void SceneRenderer::draw_mesh(const GlMesh& mesh, std::size_t count) const {
+  const GlApi& gl = context_.gl();
+  gl.BindVertexArray(mesh.layout.id());
+  gl.DrawElementsInstanced(GL_TRIANGLES, mesh.num_indices, GL_UNSIGNED_INT, nullptr, static_cast<GLsizei>(count));
 }
 
-void SceneRenderer::draw_instances(const Scene& scene, Pass pass) {
-  const GlApi& gl = context_.gl();
-  const std::vector<GlMesh>& meshes = pass == Pass::shadows ? shadows_ : shapes_;
-  GLint first = 0;
-  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
-    const auto count = static_cast<GLsizei>(scene.instances[i].size());
-    if (count > 0 && belongs(scene, i, pass)) {
-      gl.Uniform1i(0, first);
-      gl.BindVertexArray(meshes[i].layout.id());
-      gl.DrawElementsInstanced(GL_TRIANGLES, meshes[i].num_indices, GL_UNSIGNED_INT, nullptr, count);
-      if (pass != Pass::shadows) num_triangles_ += static_cast<std::size_t>(count) * meshes[i].num_indices / 3;
-    }
-    first += count;
+void SceneRenderer::draw_instances(const GlMesh& mesh, std::size_t first, std::size_t count) const {
+  context_.gl().Uniform1i(0, static_cast<GLint>(first));
+  draw_mesh(mesh, count);
+}
+
+void SceneRenderer::draw_parts(const std::vector<PartGroup>& groups) {
+  for (const PartGroup& group : groups) {
+    const GlMesh& mesh = shapes_[group.mesh].of(group.level);
+    draw_instances(mesh, group.first, group.instances.size());
+    num_triangles_ += group.instances.size() * static_cast<std::size_t>(mesh.num_indices) / 3;
   }
 }
 
-void SceneRenderer::draw_bodies(const Scene& scene) {
+void SceneRenderer::draw_bodies(const VisibleParts& visible) {
   const GlApi& gl = context_.gl();
-  gl.UseProgram(programs_.body.id());
+  gl.UseProgram(lit_->body.id());
   gl.Uniform1f(1, 1.0f);
-  draw_instances(scene, Pass::solids);
-  if (!scene.see_through) return;
+  draw_parts(visible.solids);
   gl.Enable(GL_SAMPLE_ALPHA_TO_COVERAGE);  // needs no order of drawing, unlike blending
   gl.Uniform1f(1, k_ghost);
-  draw_instances(scene, Pass::see_through);
+  draw_parts(visible.see_through);
   gl.Disable(GL_SAMPLE_ALPHA_TO_COVERAGE);
 }
 
-void SceneRenderer::draw_annotations(const Scene& scene) {
+void SceneRenderer::draw_annotations(const VisibleParts& visible) {
   const GlApi& gl = context_.gl();
-  gl.UseProgram(programs_.body.id());
+  gl.UseProgram(lit_->body.id());
   const auto draw_all = [&](float opacity) {
     gl.Uniform1f(1, opacity);
-    draw_instances(scene, Pass::annotations);
-    if (trails_.num_indices == 0) return;
-    gl.Uniform1i(0, trails_instance_);
-    gl.BindVertexArray(trails_.layout.id());
-    gl.DrawElementsInstanced(GL_TRIANGLES, trails_.num_indices, GL_UNSIGNED_INT, nullptr, 1);
+    draw_parts(visible.annotations);
+    if (trails_.num_indices > 0) draw_instances(trails_, trails_instance_, 1);
   };
   draw_all(1.0f);
   gl.DepthFunc(GL_GREATER);
@@ -218,7 +235,7 @@ void SceneRenderer::draw_annotations(const Scene& scene) {
   gl.DepthFunc(GL_LEQUAL);
 }
 
-void SceneRenderer::draw_shadow_map(const Scene& scene) {
+void SceneRenderer::draw_shadow_map(const VisibleParts& visible) {
   const GlApi& gl = context_.gl();
   gl.BindFramebuffer(GL_FRAMEBUFFER, shadow_.id());
   gl.Viewport(0, 0, k_shadow_size, k_shadow_size);
@@ -226,42 +243,47 @@ void SceneRenderer::draw_shadow_map(const Scene& scene) {
   gl.Enable(GL_POLYGON_OFFSET_FILL);
   gl.PolygonOffset(1.5f, 2.0f);
   gl.UseProgram(programs_.shadow.id());
-  draw_instances(scene, Pass::shadows);
+  for (const PartGroup& group : visible.casters)
+    draw_instances(shapes_[group.mesh].shadow, group.first, group.instances.size());
   gl.Disable(GL_POLYGON_OFFSET_FILL);
+}
+
+/// First and without depth: nothing is to be found out about it.
+void SceneRenderer::draw_sky() const {
+  const GlApi& gl = context_.gl();
+  gl.Disable(GL_DEPTH_TEST);
+  gl.BindVertexArray(no_vertices_.id());
+  gl.UseProgram(programs_.sky.id());
+  gl.DrawArrays(GL_TRIANGLES, 0, k_sky_vertices);
+  gl.Enable(GL_DEPTH_TEST);
 }
 
 void SceneRenderer::draw_ground(const Scene& scene) {
   const GlApi& gl = context_.gl();
   if (scene.terrain) {
-    gl.UseProgram(programs_.terrain.id());
-    gl.BindVertexArray(terrain_shape_.layout.id());
-    gl.DrawElementsInstanced(GL_TRIANGLES, terrain_shape_.num_indices, GL_UNSIGNED_INT, nullptr, 1);
+    gl.UseProgram(lit_->terrain.id());
+    draw_mesh(terrain_shape_);
     return;
   }
-  gl.UseProgram(programs_.ground.id());
+  gl.UseProgram(lit_->ground.id());
   gl.BindVertexArray(no_vertices_.id());
   gl.DrawArrays(GL_TRIANGLES, 0, 6);
 }
 
-void SceneRenderer::draw_colors(const Scene& scene) {
+void SceneRenderer::draw_colors(const Scene& scene, const VisibleParts& visible) {
   const GlApi& gl = context_.gl();
   gl.BindFramebuffer(GL_FRAMEBUFFER, samples_.id());
   gl.Viewport(0, 0, width_, height_);
-  gl.Enable(GL_FRAMEBUFFER_SRGB);
-  gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  gl.Clear(GL_DEPTH_BUFFER_BIT);
+  draw_sky();
   gl.BindTextureUnit(0, shadow_map_.id());
-  draw_bodies(scene);
+  draw_bodies(visible);
   if (scene.ground) draw_ground(scene);  // after the bodies, so that what they hide costs nothing
   if (section_.num_indices > 0) {
     gl.UseProgram(programs_.section.id());
-    gl.BindVertexArray(section_.layout.id());
-    gl.DrawElementsInstanced(GL_TRIANGLES, section_.num_indices, GL_UNSIGNED_INT, nullptr, 1);
+    draw_mesh(section_);
   }
-  gl.BindVertexArray(no_vertices_.id());
-  gl.UseProgram(programs_.sky.id());
-  gl.DrawArrays(GL_TRIANGLES, 0, 3);
-  draw_annotations(scene);
-  gl.Disable(GL_FRAMEBUFFER_SRGB);
+  draw_annotations(visible);
 }
 
 void SceneRenderer::draw(const Scene& scene) {
@@ -275,16 +297,18 @@ void SceneRenderer::draw(const Scene& scene) {
   }
   section_ = upload(scene.section);
   trails_ = upload(scene.trails);
+  lit_ = pixels_are_large(scene, height_) ? &programs_.hard : &programs_.soft;
+  const VisibleParts visible = visible_parts(scene, balls_, width_, height_);
   upload_frame(scene);
-  upload_instances(scene);
+  upload_instances(visible);
   gl.Disable(GL_SCISSOR_TEST);
   gl.Disable(GL_BLEND);
   gl.Enable(GL_DEPTH_TEST);
   gl.DepthFunc(GL_LEQUAL);
   gl.Enable(GL_CULL_FACE);
   gl.CullFace(GL_BACK);
-  draw_shadow_map(scene);
-  draw_colors(scene);
+  draw_shadow_map(visible);
+  draw_colors(scene, visible);
   gl.Disable(GL_DEPTH_TEST);
   gl.Disable(GL_CULL_FACE);
   // Resolves the samples and turns the rows over in one go.

@@ -19,22 +19,33 @@ void append_both_sides(const Mesh& outward, Mesh& mesh) {
   mesh.append(outward, Eigen::Affine3f(Eigen::AngleAxisf(static_cast<float>(k_pi), Vector3f::UnitZ())));
 }
 
-void add_bolts(int count, float circle, float y, float size, const Material& material, Mesh& mesh) {
+/// From afar their heads alone.
+void add_bolts(int count, float circle, float y, float size, const Material& material, const Detail& detail,
+               Mesh& mesh) {
+  constexpr float k_height = 0.014f;
+  const Vector2f foot(size, y), rim(size, y + k_height), middle(0.0f, y + k_height);
+  const auto profile =
+      detail.shows(k_height) ? std::vector<Vector2f>{foot, rim, middle} : std::vector<Vector2f>{rim, middle};
   for (int i = 0; i < count; ++i) {
     const float angle = k_two_pi * static_cast<float>(i) / static_cast<float>(count);
-    mesh.add_lathe({{size, y}, {size, y + 0.014f}, {0, y + 0.014f}}, 5,
-                   {circle * std::cos(angle), 0, circle * std::sin(angle)}, material);
+    mesh.add_lathe(profile, std::min(detail.segments(size), 6), {circle * std::cos(angle), 0, circle * std::sin(angle)},
+                   material);
   }
 }
 
 /// Disc from y = inner to outer: tyre outside, dished steel inside; the face towards the gap is plain.
 struct DiscShape {
   float radius, inner, outer, tyre;
+  Detail detail;
 };
 
-void add_disc(const DiscShape& d, const Material& steel, int segments, bool dished, Mesh& mesh) {
+void add_disc(const DiscShape& d, const Material& steel, bool dished, Mesh& mesh) {
+  const int segments = d.detail.segments(d.radius);
   const float rim = d.radius - d.tyre, soft = 0.012f, dish = d.outer - 0.45f * (d.outer - d.inner);
-  if (d.tyre > 0.0f) {
+  if (d.tyre > 0.0f && !d.detail.shows(soft)) {
+    mesh.add_lathe({{rim, d.inner}, {d.radius, d.inner}, {d.radius, d.outer}, {rim, d.outer}}, segments,
+                   Vector3f::Zero(), k_tyre);
+  } else if (d.tyre > 0.0f) {
     mesh.add_lathe({{rim, d.inner},
                     {d.radius - soft, d.inner},
                     {d.radius, d.inner + soft},
@@ -55,9 +66,11 @@ void add_disc(const DiscShape& d, const Material& steel, int segments, bool dish
 }
 
 /// Hub of radius r from the dish to `outer`, with a domed cap.
-void add_hub(float r, float inner, float outer, const Material& material, int segments, Mesh& mesh) {
-  mesh.add_lathe({{r, inner}, {0.92f * r, outer - 0.015f}, {0.7f * r, outer - 0.004f}, {0.0f, outer}}, segments,
-                 Vector3f::Zero(), material);
+void add_hub(float r, float inner, float outer, const Material& material, const Detail& detail, Mesh& mesh) {
+  const Vector2f foot(r, inner), rim(0.92f * r, outer - 0.015f), dome(0.7f * r, outer - 0.004f), middle(0.0f, outer);
+  const auto profile =
+      detail.shows(0.011f) ? std::vector<Vector2f>{foot, rim, dome, middle} : std::vector<Vector2f>{foot, rim, middle};
+  mesh.add_lathe(profile, detail.segments(r), Vector3f::Zero(), material);
 }
 
 struct DiscPairShape {
@@ -68,13 +81,16 @@ struct DiscPairShape {
         outer(static_cast<float>(0.5 * pair.gap + pair.disc_width)) {}
 };
 
+/// The dished face, y.
+float dish_of(const DiscPairShape& s) { return s.outer - 0.45f * (s.outer - s.inner); }
+
 /// Axle between the discs.
-void add_axle(const DiscPairShape& s, float radius, int segments, Mesh& mesh) {
-  mesh.add_lathe({{radius, -s.inner}, {radius, s.inner}}, segments, Vector3f::Zero(), k_painted_dark);
+void add_axle(const DiscPairShape& s, float radius, const Detail& detail, Mesh& mesh) {
+  mesh.add_lathe({{radius, -s.inner}, {radius, s.inner}}, detail.segments(radius), Vector3f::Zero(), k_painted_dark);
 }
 
 /// Rim of one tooth and its gap, as (radius, angle from the gap's middle) over one pitch of the ring, rising angle.
-std::vector<Vector2f> tooth_outline(const Sprocket& sprocket, const Track& track) {
+std::vector<Vector2f> tooth_outline(const Sprocket& sprocket, const Track& track, const Detail& detail) {
   const double pitch_radius = track.pitch / (2.0 * std::sin(k_pi / sprocket.teeth));
   const double seat = track.pin_radius + sprocket.seat_clearance, center = pitch_radius + sprocket.seat_clearance;
   const double flank_sin = std::sin(sprocket.flank_angle), flank_cos = std::cos(sprocket.flank_angle);
@@ -82,9 +98,9 @@ std::vector<Vector2f> tooth_outline(const Sprocket& sprocket, const Track& track
   const auto push = [&half](double x, double y) {
     half.emplace_back(static_cast<float>(std::hypot(x, y)), static_cast<float>(std::atan2(y, x)));
   };
-  constexpr int k_arc = 4;
-  for (int i = 0; i <= k_arc; ++i) {  // seat fillet, from the bottom to where the flank is tangent
-    const double turn = (0.5 * k_pi - sprocket.flank_angle) * i / k_arc;
+  const int arc = std::max(2, detail.segments(static_cast<float>(seat)) / 4);
+  for (int i = 0; i <= arc; ++i) {  // seat fillet, from the bottom to where the flank is tangent
+    const double turn = (0.5 * k_pi - sprocket.flank_angle) * i / arc;
     push(center - seat * std::cos(turn), seat * std::sin(turn));
   }
   // Flank from the fillet to the tip circle: |start + s * direction| = tip radius.
@@ -119,25 +135,25 @@ void add_tooth_ring(const std::vector<Vector2f>& outline, int teeth, float hole,
 
 }  // namespace
 
-Mesh road_wheel_mesh(const DiscPair& wheel) {
+Mesh road_wheel_mesh(const DiscPair& wheel, const Detail& detail) {
   const DiscPairShape s(wheel);
-  const float tyre = 0.13f * s.radius, rim = s.radius - tyre, dish = s.outer - 0.45f * (s.outer - s.inner);
+  const float tyre = 0.13f * s.radius, rim = s.radius - tyre, dish = dish_of(s);
   Mesh side;
-  add_disc({s.radius, s.inner, s.outer, tyre}, k_painted, 28, true, side);
-  add_hub(0.42f * rim, dish, s.outer + 0.02f, k_painted_dark, 14, side);
-  add_bolts(8, 0.6f * rim, dish, 0.02f, k_steel, side);
+  add_disc({s.radius, s.inner, s.outer, tyre, detail}, k_painted, true, side);
+  add_hub(0.42f * rim, dish, s.outer + 0.02f, k_painted_dark, detail, side);
+  add_bolts(8, 0.6f * rim, dish, 0.02f, k_steel, detail, side);
   Mesh mesh;
   append_both_sides(side, mesh);
-  add_axle(s, 0.3f * rim, 12, mesh);
+  add_axle(s, 0.3f * rim, detail, mesh);
   return mesh;
 }
 
-Mesh idler_mesh(const DiscPair& wheel) {
+Mesh idler_mesh(const DiscPair& wheel, const Detail& detail) {
   const DiscPairShape s(wheel);
-  const float rim = s.radius, dish = s.outer - 0.45f * (s.outer - s.inner);
+  const float rim = s.radius, dish = dish_of(s);
   Mesh side;
-  add_disc({s.radius, s.inner, s.outer, 0.0f}, k_painted, 32, true, side);
-  add_hub(0.34f * rim, dish, s.outer + 0.02f, k_painted_dark, 16, side);
+  add_disc({s.radius, s.inner, s.outer, 0.0f, detail}, k_painted, true, side);
+  add_hub(0.34f * rim, dish, s.outer + 0.02f, k_painted_dark, detail, side);
   for (int i = 0; i < 6; ++i) {  // ribs, so that the idler is told from a road wheel and its turning is seen
     Mesh rib;
     rib.add_box({0.56f * rim, dish + 0.012f, 0.0f}, {0.2f * rim, 0.014f, 0.02f}, 0.0f, k_painted_dark);
@@ -146,55 +162,67 @@ Mesh idler_mesh(const DiscPair& wheel) {
   }
   Mesh mesh;
   append_both_sides(side, mesh);
-  add_axle(s, 0.3f * rim, 12, mesh);
+  add_axle(s, 0.3f * rim, detail, mesh);
   return mesh;
 }
 
-Mesh roller_mesh(const DiscPair& roller) {
+Mesh roller_mesh(const DiscPair& roller, const Detail& detail) {
   const DiscPairShape s(roller);
   Mesh side;
-  add_disc({s.radius, s.inner, s.outer, 0.22f * s.radius}, k_painted, 20, false, side);
-  add_hub(0.4f * s.radius, s.outer - 0.005f, s.outer + 0.02f, k_painted_dark, 12, side);
-  add_bolts(6, 0.58f * s.radius, s.outer, 0.011f, k_steel, side);
+  add_disc({s.radius, s.inner, s.outer, 0.22f * s.radius, detail}, k_painted, false, side);
+  add_hub(0.4f * s.radius, s.outer - 0.005f, s.outer + 0.02f, k_painted_dark, detail, side);
+  add_bolts(6, 0.58f * s.radius, s.outer, 0.011f, k_steel, detail, side);
   Mesh mesh;
   append_both_sides(side, mesh);
-  add_axle(s, 0.4f * s.radius, 10, mesh);
+  add_axle(s, 0.4f * s.radius, detail, mesh);
   return mesh;
 }
 
-Mesh sprocket_mesh(const Sprocket& sprocket, const Track& track) {
+Mesh disc_pair_shadow_mesh(const DiscPair& wheel) {
+  const DiscPairShape s(wheel);
+  Mesh mesh;
+  const float dish = dish_of(s);  // a disc without it would shade it
+  Mesh side;
+  side.add_lathe({{0, s.inner}, {s.radius, s.inner}, {s.radius, s.outer}, {0.6f * s.radius, dish}, {0, dish}}, 24,
+                 Vector3f::Zero(), k_tyre);
+  append_both_sides(side, mesh);
+  return mesh;
+}
+
+Mesh sprocket_mesh(const Sprocket& sprocket, const Track& track, const Detail& detail) {
   constexpr float k_half_ring = 0.018f;
   const auto ring = static_cast<float>(sprocket.ring_offset), base = static_cast<float>(sprocket.base_radius);
-  const std::vector<Vector2f> outline = tooth_outline(sprocket, track);
+  const std::vector<Vector2f> outline = tooth_outline(sprocket, track, detail);
   const float hole = 0.72f * base, drum = 0.78f * base;
   Mesh mesh;
   for (const float side : {-1.0f, 1.0f})
     add_tooth_ring(outline, sprocket.teeth, hole, side * ring - k_half_ring, side * ring + k_half_ring, mesh);
   Mesh face;
-  face.add_lathe({{drum, 0.0f}, {drum, ring - k_half_ring}}, 24, Vector3f::Zero(), k_painted_dark);
-  face.add_lathe({{hole + 0.001f, ring + k_half_ring}, {hole, ring - 0.03f}, {0.45f * base, ring - 0.05f}}, 24,
-                 Vector3f::Zero(), k_painted);
-  add_hub(0.45f * base, ring - 0.06f, ring + 0.03f, k_painted_dark, 16, face);
-  add_bolts(sprocket.teeth, 0.86f * base, ring + k_half_ring, 0.013f, k_steel, face);
-  add_bolts(8, 0.59f * base, ring - 0.036f, 0.014f, k_steel, face);
+  face.add_lathe({{drum, 0.0f}, {drum, ring - k_half_ring}}, detail.segments(drum), Vector3f::Zero(), k_painted_dark);
+  face.add_lathe({{hole + 0.001f, ring + k_half_ring}, {hole, ring - 0.03f}, {0.45f * base, ring - 0.05f}},
+                 detail.segments(hole), Vector3f::Zero(), k_painted);
+  add_hub(0.45f * base, ring - 0.06f, ring + 0.03f, k_painted_dark, detail, face);
+  add_bolts(sprocket.teeth, 0.86f * base, ring + k_half_ring, 0.013f, k_steel, detail, face);
+  add_bolts(8, 0.59f * base, ring - 0.036f, 0.014f, k_steel, detail, face);
   append_both_sides(face, mesh);
   return mesh;
 }
 
-Mesh arm_mesh(const Vector3d& pivot_to_axle, const DiscPair& wheel, double inboard) {
+Mesh arm_mesh(const Vector3d& pivot_to_axle, const DiscPair& wheel, double inboard, const Detail& detail) {
   const auto in = static_cast<float>(inboard);
   const DiscPairShape s(wheel);
   const float y = in * (s.outer + 0.05f), r = 0.09f;
   const Vector3f axle(static_cast<float>(pivot_to_axle.x()), 0.0f, static_cast<float>(pivot_to_axle.z()));
   Mesh mesh;
   Mesh beam;
-  beam.add_box({0.5f * axle.norm(), y, 0.0f}, {0.5f * axle.norm(), 0.038f, 0.06f}, 0.015f, k_painted_dark);
+  beam.add_box({0.5f * axle.norm(), y, 0.0f}, {0.5f * axle.norm(), 0.038f, 0.06f}, detail.shows(0.02f) ? 0.015f : 0.0f,
+               k_painted_dark);
   // A turn about +y takes +x towards -z.
   mesh.append(beam, Eigen::Affine3f(Eigen::AngleAxisf(std::atan2(-axle.z(), axle.x()), Vector3f::UnitY())));
-  mesh.add_lathe({{0, y - 0.055f}, {r, y - 0.055f}, {r, y + 0.055f}, {0, y + 0.055f}}, 16, Vector3f::Zero(),
-                 k_painted_dark);
+  mesh.add_lathe({{0, y - 0.055f}, {r, y - 0.055f}, {r, y + 0.055f}, {0, y + 0.055f}}, detail.segments(r),
+                 Vector3f::Zero(), k_painted_dark);
   const float a = std::min(in * s.inner, y), b = std::max(in * s.inner, y);
-  mesh.add_lathe({{0, a}, {0.8f * r, a}, {0.8f * r, b}, {0, b}}, 12, axle, k_painted_dark);
+  mesh.add_lathe({{0, a}, {0.8f * r, a}, {0.8f * r, b}, {0, b}}, detail.segments(0.8f * r), axle, k_painted_dark);
   return mesh;
 }
 

@@ -36,5 +36,5 @@ void main() {
   albedo = mix(albedo, vec3(0.72, 0.68, 0.60), 0.60 * lines(p * 0.1, 0.006));
   float sky_share = 1.0 - 0.70 * under_vehicle(p, 0.45);
   vec3 color = shade(albedo, 0.02, world, normalize(normal), sky_share);
-  pixel = vec4(developed(with_haze(color, world)), 1.0);
+  pixel = vec4(developed(mix(color, horizon, haze(world))), 1.0);
 }

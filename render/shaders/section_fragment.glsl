@@ -8,5 +8,5 @@ void main() {
   vec3 color = mix(vec3(0.40, 0.35, 0.28), vec3(0.55, 0.52, 0.47), smoothstep(0.0, 0.9, depth));
   color *= 1.0 - 0.16 * line * (1.0 - smoothstep(0.2, 0.8, depth));
   color *= mix(0.45, 1.0, smoothstep(0.008, 0.022, depth));
-  pixel = vec4(color, 1.0);
+  pixel = vec4(encoded(color), 1.0);
 }

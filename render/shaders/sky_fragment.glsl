@@ -1,6 +1,4 @@
-in vec3 beyond;
+#version 450 core
+in vec3 color;
 out vec4 pixel;
-void main() {
-  vec3 direction = eye.w > 0.5 ? normalize(beyond - eye.xyz) : view_direction.xyz;
-  pixel = vec4(developed(sky_color(direction)), 1.0);
-}
+void main() { pixel = vec4(color, 1.0); }

@@ -84,12 +84,25 @@ TEST(Parts, EveryTriangleFacesOutwards) {
 TEST(Parts, ALinkHasTheTracksDimensionsInFewTriangles) {
   const Track track = reference().side(Side::left).track;
   const Mesh mesh = link_mesh(track);
-  EXPECT_LT(mesh.num_triangles(), 300U);
+  EXPECT_LT(mesh.num_triangles(), 400U);
+  EXPECT_LT(link_mesh(track, {Detail::k_coarse}).num_triangles(), 180U);
   const Eigen::AlignedBox3f box = bounds(mesh);
   EXPECT_NEAR(box.max().y() - box.min().y(), track.shoe_width, 1e-6);
   EXPECT_NEAR(box.min().z(), -track.ground_depth, 1e-6);
   EXPECT_NEAR(box.max().z(), track.wheel_path_height + track.guide_height, 1e-6);
   EXPECT_GT(box.max().x(), 0.5 * track.pitch);  // the pin at the next joint
+}
+
+TEST(Parts, ADoublePinHasAConnectorFromPinToPin) {
+  const Vehicle vehicle = read_vehicle(GROUSER_SOURCE_DIR "/test_data/vehicles/reference_double_pin.json");
+  const Track& track = vehicle.side(Side::left).track;
+  const Mesh link = link_mesh(track), connector = connector_mesh(track);
+  EXPECT_EQ(wrongly_wound(link), 0);
+  EXPECT_EQ(wrongly_wound(connector), 0);
+  EXPECT_NEAR(bounds(link).max().x(), -bounds(link).min().x(), 1e-6);  // a pin at either end
+  EXPECT_LT(bounds(link).max().x(), 0.5 * track.pitch);                // and none in the joint's middle
+  EXPECT_NEAR(bounds(connector).max().x(), 0.5 * track.connector.length + 1.3 * track.pin_radius, 1e-6);
+  EXPECT_LT(bounds(connector).max().y(), 0.5 * track.shoe_width);
 }
 
 TEST(Parts, ThePinFitsTheSprocketsGap) {
