@@ -38,6 +38,8 @@ class GroundSurface {
   [[nodiscard]] bool level() const { return level_; }
   /// The C1 surface, without half rounds.
   [[nodiscard]] GroundHeight at(double x, double y) const;
+  /// One coefficient of friction holds everywhere.
+  [[nodiscard]] bool even_friction() const { return zones_.empty(); }
   /// Coefficient of friction at a place.
   [[nodiscard]] double friction(double x, double y) const { return zones_.empty() ? friction_ : zoned_friction(x, y); }
   /// Half a cylinder along y, its axis in the surface.

@@ -7,19 +7,19 @@
 namespace grouser {
 namespace {
 
+constexpr auto k_hinge = static_cast<std::size_t>(Axis::ry);
+
 struct SpringLanes {
   Lanes force, slope, energy;
 };
 
 SpringLanes evaluate_spring(const CompiledSpring& spring, const Lanes& x) {
   const Lanes at = spring.odd ? x.abs() : x;
-  const LaneIndex piece = LaneIndex::of_piece(spring.begin, at);
-  const Lanes c0 = piece.in(spring.cubic[0]), c1 = piece.in(spring.cubic[1]);
-  const Lanes c2 = piece.in(spring.cubic[2]), c3 = piece.in(spring.cubic[3]);
-  const Lanes u = at - piece.in(spring.begin);
+  const auto [begin, c0, c1, c2, c3, energy] = spring.pieces.at(at);
+  const Lanes u = at - begin;
   const Lanes force = c0 + u * (c1 + u * (c2 + u * c3));
   return {spring.odd ? choose(x < 0.0, -force, force) : force, c1 + u * (2.0 * c2 + u * (3.0 * c3)),
-          piece.in(spring.energy) + u * (c0 + u * (0.5 * c1 + u * ((1.0 / 3.0) * c2 + u * (0.25 * c3))))};
+          energy + u * (c0 + u * (0.5 * c1 + u * ((1.0 / 3.0) * c2 + u * (0.25 * c3))))};
 }
 
 /// Translation of the pin against the groove in the frame of own, and its rate there.
@@ -75,104 +75,67 @@ void rotate(const BodyLanes& own, const BodyLanes& next, ElementKinematics& k) {
   k.rate[5] = dot(k.jacobian_rz, relative_j);
 }
 
-/// One axis of eight joints over a step from `before` to `after`, whose rows it writes.
-struct AxisStep {
-  const CompiledAxis& axis;
-  const std::vector<MaxwellStep>& branch_step;  ///< one per branch of the axis
-  const History& before;
-  History& after;
-  int joint;  ///< the first of the eight
-  double h;
-  bool memory;
+/// Goes through the rows that eight joints remember in, one element of the law after the other; the axes follow each
+/// other.
+struct MemoryRows {
+  const double* before;
+  double* after;
+  std::ptrdiff_t length_before, length_after;
+  MemoryRows(const Field& from, Field& to, int joint)
+      : before(from[0] + joint), after(to[0] + joint), length_before(from.length()), length_after(to.length()) {}
+  void next() { before += length_before, after += length_after; }
 };
 
 struct AxisForce {
   Lanes force, stiffness, damping;  ///< restoring force, its dynamic tangents
 };
 
-void add_stops(const AxisStep& step, const Lanes& dx, AxisForce& sum, ElementEnergy& energy) {
-  const double* before = step.before.stop[step.axis.first_stop] + step.joint;
-  double* after = step.after.stop[step.axis.first_stop] + step.joint;
-  Lanes force = 0.0, twice_stored = 0.0, lost = 0.0;
-  double stiffness = 0.0;
-  for (const FrictionStop& stop : step.axis.stops) {
-    const Lanes old = load(before), moved = advance_stop(old, dx, stop.yield), f = stop.stiffness * moved;
-    store(after, moved);
-    force += f;
-    stiffness += stop.stiffness;
+void add_stops(const CompiledAxis& axis, const Lanes& dx, MemoryRows& rows, AxisForce& sum, ElementEnergy& energy) {
+  Lanes twice_stored = 0.0;
+  for (const FrictionStop& stop : axis.stops) {
+    const Lanes old = load(rows.before), moved = advance_stop(old, dx, stop.yield), f = stop.stiffness * moved;
+    store(rows.after, moved);
+    rows.next();
+    sum.force += f;
     twice_stored += f * moved;
-    lost += f * stop_slip(old, moved, dx);
-    before += step.before.stop.length();
-    after += step.after.stop.length();
+    energy.step_loss += f * stop_slip(old, moved, dx);
   }
-  sum.force += force;
-  sum.stiffness += stiffness;
+  sum.stiffness += axis.stop_stiffness;
   energy.stored += 0.5 * twice_stored;
-  energy.step_loss += lost;
 }
 
 /// Stops whose yields grow with the displacement: no stiffer than k, for a stop never rises faster than x. Out of line,
 /// so that laws without growth do not carry it.
-[[gnu::noinline]] void add_growing_stops(const AxisStep& step, const Lanes& x, const Lanes& dx, AxisForce& sum,
-                                         ElementEnergy& energy) {
-  const double growth = step.axis.yield_growth;
-  const Lanes scale_before = yield_scale(growth, x - dx), scale_after = yield_scale(growth, x);
-  for (std::size_t s = 0; s < step.axis.stops.size(); ++s) {
-    const FrictionStop& stop = step.axis.stops[s];
-    const int row = step.axis.first_stop + static_cast<int>(s);
+[[gnu::noinline]] void add_growing_stops(const CompiledAxis& axis, const Lanes& x, const Lanes& dx, MemoryRows& rows,
+                                         AxisForce& sum, ElementEnergy& energy) {
+  const Lanes scale_before = yield_scale(axis.yield_growth, x - dx), scale_after = yield_scale(axis.yield_growth, x);
+  for (const FrictionStop& stop : axis.stops) {
     const Lanes yield = stop.yield * scale_after, mean_yield = 0.5 * stop.yield * (scale_before + scale_after);
-    const Lanes old = load(step.before.stop[row] + step.joint), moved = advance_stop(old, dx, yield);
-    store(step.after.stop[row] + step.joint, moved);
+    const Lanes old = load(rows.before), moved = advance_stop(old, dx, yield);
+    store(rows.after, moved);
+    rows.next();
     sum.force += stop.stiffness * moved;
-    sum.stiffness += stop.stiffness;
     energy.stored += (0.5 * stop.stiffness) * moved.square();
     energy.step_loss += stop.stiffness * mean_yield * stop_slip(old, moved, dx).abs();
   }
+  sum.stiffness += axis.stop_stiffness;
 }
 
-void add_branches(const AxisStep& step, const Lanes& dx, AxisForce& sum, ElementEnergy& energy) {
-  const double* before = step.before.branch[step.axis.first_branch] + step.joint;
-  double* after = step.after.branch[step.axis.first_branch] + step.joint;
-  Lanes force = 0.0, carried = 0.0, stored = 0.0, stored_before = 0.0;
-  double stiffness = 0.0, work_per_way = 0.0;
-  for (const MaxwellStep& branch : step.branch_step) {
-    const Lanes old = load(before), moved = branch.decay * old + branch.gain * dx;
-    store(after, moved);
-    force += moved;
-    stiffness += branch.gain;
-    work_per_way += branch.work_per_way;
+void add_branches(const AxisBranches& branches, const Lanes& dx, MemoryRows& rows, AxisForce& sum,
+                  ElementEnergy& energy) {
+  Lanes carried = branches.work_per_way * dx, stored = 0.0, stored_before = 0.0;
+  for (const MaxwellStep& branch : branches.branch) {
+    const Lanes old = load(rows.before), moved = branch.decay * old + branch.gain * dx;
+    store(rows.after, moved);
+    rows.next();
+    sum.force += moved;
     carried += branch.gain_share * old;
     stored += branch.compliance * moved.square();
     stored_before += branch.compliance * old.square();
-    before += step.before.branch.length();
-    after += step.after.branch.length();
   }
-  sum.force += force;
-  sum.stiffness += stiffness;
+  sum.stiffness += branches.gain;
   energy.stored += stored;
-  if (step.h > 0.0) energy.step_loss += dx * (work_per_way * dx + carried) - (stored - stored_before);
-}
-
-/// Restoring force of one axis for eight joints, its memory moved on by the step.
-AxisForce axis_force(const AxisStep& step, const Lanes& x, const Lanes& dx, const Lanes& rate, ElementEnergy& energy) {
-  const CompiledAxis& axis = step.axis;
-  const SpringLanes spring = evaluate_spring(axis.spring, x);
-  AxisForce sum{spring.force, spring.slope, axis.viscous};
-  energy.stored += spring.energy;
-  if (!step.memory) {
-    constexpr double k_assembly_damping_time = 4e-5;  // s; damper of the relaxed rubber, c = time * tangent
-    sum.damping = k_assembly_damping_time * spring.slope;
-  } else {
-    if (axis.yield_growth > 0.0) {
-      add_growing_stops(step, x, dx, sum, energy);
-    } else {
-      add_stops(step, dx, sum, energy);
-    }
-    add_branches(step, dx, sum, energy);
-  }
-  sum.force += sum.damping * rate;
-  energy.power += sum.damping * rate.square();
-  return sum;
+  energy.step_loss += dx * carried - (stored - stored_before);
 }
 
 /// A pin with radial play: what of its deflection the rubber feels, and how the rubber's forces act back on it.
@@ -197,17 +160,37 @@ struct Play {
   }
 };
 
-/// The law of every axis for the deflections and rates that the rubber feels.
+/// The law of every axis for the deflections and rates that the rubber feels. All springs first: their look-ups wait
+/// for each other, axis beside axis they do not.
 void add_rubber(const RubberStep& step, const AxisLanes& felt, const AxisLanes& rate, int joint, RubberLoad& rubber) {
+  constexpr double k_relaxed_damping_time = 4e-5;  // s; damper of the relaxed rubber, c = time * tangent
+  AxisLanes x = felt;
+  x[k_hinge] -= step.track.free_twist;
+  std::array<SpringLanes, k_num_axes> springs;
+  for (std::size_t a = 0; a < k_num_axes; ++a) springs[a] = evaluate_spring(step.track.bushing[a].spring, x[a]);
+  MemoryRows stop_rows(step.before.stop, step.after.stop, joint);
+  MemoryRows branch_rows(step.before.branch, step.after.branch, joint);
+  ElementEnergy energy;
   for (std::size_t a = 0; a < k_num_axes; ++a) {
-    const AxisStep axis_step{
-        step.track.bushing[a], step.branch_step[a], step.before, step.after, joint, step.h, step.memory};
-    const double free = a == static_cast<std::size_t>(Axis::ry) ? step.track.free_twist : 0.0;
-    const AxisForce sum = axis_force(axis_step, felt[a] - free, rubber.moved[a], rate[a], rubber.energy);
-    rubber.force[a] = sum.force;
+    const CompiledAxis& axis = step.track.bushing[a];
+    AxisForce sum{springs[a].force, springs[a].slope, axis.viscous};
+    energy.stored += springs[a].energy;
+    if (!step.memory) {
+      sum.damping = k_relaxed_damping_time * springs[a].slope;
+    } else {
+      if (axis.yield_growth > 0.0) {
+        add_growing_stops(axis, x[a], rubber.moved[a], stop_rows, sum, energy);
+      } else {
+        add_stops(axis, rubber.moved[a], stop_rows, sum, energy);
+      }
+      add_branches(step.branch_step[a], rubber.moved[a], branch_rows, sum, energy);
+    }
+    energy.power += sum.damping * rate[a].square();
+    rubber.force[a] = sum.force + sum.damping * rate[a];
     rubber.stiffness[a] = sum.stiffness;
     rubber.damping[a] = sum.damping;
   }
+  rubber.energy = energy;
 }
 
 /// The same with radial play.
@@ -239,20 +222,6 @@ void add_hinge_stop(const CompiledTrack& track, const Lanes& angle, RubberLoad& 
 
 }  // namespace
 
-BodyLanes load_bodies(const State& state, const Workspace& work, int i) {
-  const auto axis = [&](int c) {
-    return Lanes3{load(work.rotation[c] + i), load(work.rotation[3 + c] + i), load(work.rotation[6 + c] + i)};
-  };
-  return {load3(state.position, i),
-          axis(0),
-          axis(1),
-          axis(2),
-          {load(state.orientation[0] + i), load(state.orientation[1] + i), load(state.orientation[2] + i),
-           load(state.orientation[3] + i)},
-          load3(state.velocity, i),
-          load3(work.angular_velocity_W, i)};
-}
-
 BodyLanes half_turned(const BodyLanes& bodies) {
   BodyLanes turned = bodies;
   turned.x = -1.0 * bodies.x;
@@ -267,6 +236,15 @@ ElementKinematics element_kinematics(const BodyLanes& own, const BodyLanes& next
   translate(own, next, shape, k);
   rotate(own, next, k);
   return k;
+}
+
+void prepare_branches(const CompiledAxis& axis, double h, AxisBranches& branches) {
+  branches.gain = branches.work_per_way = 0.0;
+  for (std::size_t m = 0; m < axis.branches.size(); ++m) {
+    branches.branch[m] = maxwell_step(axis.branches[m], h);
+    branches.gain += branches.branch[m].gain;
+    branches.work_per_way += branches.branch[m].work_per_way;
+  }
 }
 
 RubberLoad rubber_load(const RubberStep& step, const ElementKinematics& k, int joint) {

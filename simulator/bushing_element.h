@@ -14,7 +14,16 @@ struct BodyLanes {
   Lanes3 velocity, angular_velocity;
 };
 /// Eight neighbours out of the link arrays.
-[[nodiscard]] BodyLanes load_bodies(const State& state, const Workspace& work, int i);
+[[nodiscard]] inline BodyLanes load_bodies(const State& state, const Workspace& work, int i) {
+  return {load3(state.position, i),
+          load_axis(work, 0, i),
+          load_axis(work, 1, i),
+          load_axis(work, 2, i),
+          {load(state.orientation[0] + i), load(state.orientation[1] + i), load(state.orientation[2] + i),
+           load(state.orientation[3] + i)},
+          load3(state.velocity, i),
+          load3(work.angular_velocity_W, i)};
+}
 /// The same bodies in frames turned by half a turn about their own z: x and y reversed. A bushing in the rear bore of a
 /// shoe is one in a front bore, so turned.
 [[nodiscard]] BodyLanes half_turned(const BodyLanes& bodies);
@@ -51,12 +60,15 @@ struct RubberLoad {
 /// The bushings of one track over a step: what they remember of the state before, and where they write their memory.
 struct RubberStep {
   const CompiledTrack& track;
-  const std::array<std::vector<MaxwellStep>, k_num_axes>& branch_step;  ///< by axis, one per branch
+  const std::array<AxisBranches, k_num_axes>& branch_step;  ///< for h
   const History& before;
   History& after;
   double h;     ///< s
   bool memory;  ///< false: the rubber is taken as relaxed, with a plain damper
 };
+
+/// The constants of an axis' branches for a step of length h; `branches` has a place for each.
+void prepare_branches(const CompiledAxis& axis, double h, AxisBranches& branches);
 
 /// The law of eight bushings whose rows in the arrays of joints begin at `joint`. With a radial play c the rubber feels
 /// the deflection beyond it, (x, z) (1 - c / r) with r^2 = x^2 + z^2 > c^2, and nothing within; its forces are dual to

@@ -142,11 +142,9 @@ void double_pins(const RubberStep& step, const State& state, double scale, Works
 
 void track_bushings(const CompiledTrack& track, const AssemblyKnobs& knobs, const History& before, double h,
                     State& state, Workspace& work) {
-  auto& branch_steps = work.branch_step[static_cast<std::size_t>(index_of(track.side))];
-  for (std::size_t a = 0; a < k_num_axes; ++a) {
-    for (std::size_t m = 0; m < branch_steps[a].size(); ++m) {
-      branch_steps[a][m] = maxwell_step(track.bushing[a].branches[m], h);
-    }
+  auto& branch_steps = work.branch_step[static_cast<std::size_t>(index_of(track.law))];
+  for (std::size_t a = 0; a < k_num_axes && track.law == track.side; ++a) {
+    prepare_branches(track.bushing[a], h, branch_steps[a]);
   }
   const RubberStep step{track, branch_steps, before, state.history, h, knobs.rubber_memory};
   switch (track.joint) {
@@ -179,6 +177,22 @@ void sum_connector_forces(const CompiledTrack& track, Workspace& work) {
   }
 }
 
+/// Boxes around the links of every block of eight and the link ahead of it.
+void find_boxes(const System& system, const State& state, Workspace& work) {
+  for (const CompiledTrack& track : system.tracks) {
+    Field& box = work.box[static_cast<std::size_t>(index_of(track.side))];
+    for (int block = 0; k_lanes * block < track.num_links; ++block) {
+      const int i = track.offset + k_lanes * block;
+      const Lanes x = load(state.position[0] + i), x_ahead = load(state.position[0] + i + 1);
+      const Lanes z = load(state.position[2] + i), z_ahead = load(state.position[2] + i + 1);
+      box[0][block] = x.min(x_ahead).min_lane();
+      box[1][block] = x.max(x_ahead).max_lane();
+      box[2][block] = z.min(z_ahead).min_lane();
+      box[3][block] = z.max(z_ahead).max_lane();
+    }
+  }
+}
+
 }  // namespace
 
 void place_links(const System& system, const State& state, Workspace& work) {
@@ -194,6 +208,7 @@ void place_links(const System& system, const State& state, Workspace& work) {
            {r[0] * rate.x + r[1] * rate.y + r[2] * rate.z, r[3] * rate.x + r[4] * rate.y + r[5] * rate.z,
             r[6] * rate.x + r[7] * rate.y + r[8] * rate.z});
   }
+  find_boxes(system, state, work);
 }
 
 void bushing_forces(const System& system, const AssemblyKnobs& knobs, const History& before, double h, State& state,

@@ -88,6 +88,7 @@ CompiledAxis compile_axis(const AxisLaw& law, int& stop_row, int& branch_row) {
   CompiledAxis axis;
   axis.spring = compile_spring(law.spring);
   axis.stops = law.stops;
+  for (const FrictionStop& stop : law.stops) axis.stop_stiffness += stop.stiffness;
   axis.yield_growth = law.yield_growth;
   axis.branches = law.branches;
   axis.viscous = law.viscous;
@@ -267,13 +268,9 @@ CompiledSpring compile_spring(const SpringSpline& given) {
   const bool odd = is_odd(given);
   const SpringSpline from = odd ? positive_half(given) : given;
   const auto& x = from.displacement;
-  std::vector<double> begin, energy;
-  std::array<std::vector<double>, 4> cubic;
+  std::vector<std::array<double, 6>> pieces;
   const auto add_piece = [&](std::size_t i, double c2, double c3) {
-    begin.push_back(x[i]);
-    energy.push_back(stored_energy(from, x[i]));
-    const std::array<double, 4> c{from.force[i], from.slope[i], c2, c3};
-    for (std::size_t k = 0; k < c.size(); ++k) cubic[k].push_back(c[k]);
+    pieces.push_back({x[i], from.force[i], from.slope[i], c2, c3, stored_energy(from, x[i])});
   };
   if (!odd) add_piece(0, 0.0, 0.0);
   for (std::size_t i = 0; i + 1 < x.size(); ++i) {
@@ -282,10 +279,7 @@ CompiledSpring compile_spring(const SpringSpline& given) {
     add_piece(i, (3.0 * secant - 2.0 * s0 - s1) / width, (s0 + s1 - 2.0 * secant) / (width * width));
   }
   add_piece(x.size() - 1, 0.0, 0.0);
-  return {odd,
-          LaneTable(begin),
-          {LaneTable(cubic[0]), LaneTable(cubic[1]), LaneTable(cubic[2]), LaneTable(cubic[3])},
-          LaneTable(energy)};
+  return {odd, LaneTable<6>(pieces)};
 }
 
 int padded_length(int num_links) { return (num_links + k_lanes - 1) / k_lanes * k_lanes + k_lanes; }
@@ -305,6 +299,7 @@ System compile(const Scenario& scenario) {
     const RunningGear& gear = vehicle.side(side);
     CompiledTrack& track = system.tracks[static_cast<std::size_t>(index_of(side))];
     track = compile_track(gear, side, scenario.bushing_of(side), system.link_array_length);
+    track.law = &scenario.bushing_of(side) == &scenario.bushing_of(Side::left) ? Side::left : side;
     system.link_array_length += padded_length(track.num_links);
     add_running_gear(system, gear, side, scenario.drive[static_cast<std::size_t>(index_of(side))]);
     mass += track.num_links * track.mass;  // a link and its connector, whether that is a body or not

@@ -8,16 +8,32 @@ void push_links(Workspace& work, int first, const LinkLoads& load_W, Partner par
   add_to3(work.contact_force_W[static_cast<std::size_t>(partner)], first, load_W.force);
 }
 
-void push_body(Workspace& work, int body, const Lanes3& force_W, const Lanes3& about_base_W) {
+void push_body(Workspace& work, int body, const BodyLoad& load) {
   Vector6d& on_body = work.chassis.force[static_cast<std::size_t>(body)];
-  on_body.head<3>() += sum_of_lanes(about_base_W);
-  on_body.tail<3>() += sum_of_lanes(force_W);
+  on_body.head<3>() += sum_of_lanes(load.about_base);
+  on_body.tail<3>() += sum_of_lanes(load.force);
 }
 
-void push_apart(const State& state, Workspace& work, int first, const LinkLoads& load_W, int body, Partner partner) {
+void push_apart(const State& state, Workspace& work, int first, const LinkLoads& load_W, BodyLoad& on_body,
+                Partner partner) {
   push_links(work, first, load_W, partner);
   const Lanes3 from_base = load3(state.position, first) - in_all_lanes(state.chassis.position);
-  push_body(work, body, -load_W.force, -(cross(from_base, load_W.force) + load_W.torque));
+  on_body.force = on_body.force - load_W.force;
+  on_body.about_base = on_body.about_base - (cross(from_base, load_W.force) + load_W.torque);
+}
+
+std::uint64_t blocks_near(const CompiledTrack& track, const Workspace& work, const Vector3d& center, double radius) {
+  const Field& box = work.box[static_cast<std::size_t>(index_of(track.side))];
+  const int num_blocks = (track.num_links + k_lanes - 1) / k_lanes;
+  std::uint64_t near = 0;
+  for (int block = 0; block < num_blocks; block += k_lanes) {
+    const auto side = [&](int c) { return load(box[c] + block); };
+    const Lanes x = (side(0) - center.x()).max(center.x() - side(1)).max(0.0);
+    const Lanes z = (side(2) - center.z()).max(center.z() - side(3)).max(0.0);
+    const LaneMask reached = (x * x + z * z <= radius * radius) & LaneMask::first(num_blocks - block);
+    near |= static_cast<std::uint64_t>(bits_of(reached)) << block;
+  }
+  return near;
 }
 
 }  // namespace grouser

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdint>
 
 #include "simulator/workspace.h"
 
@@ -41,10 +42,14 @@ struct LinkLoads {
 };
 /// Adds loads in W to the links from `first` on and books their forces to a partner.
 void push_links(Workspace& work, int first, const LinkLoads& load_W, Partner partner);
-/// Adds the sum of eight forces on a body of the tree, in W, with their moments about the base's centre of mass.
-void push_body(Workspace& work, int body, const Lanes3& force_W, const Lanes3& about_base_W);
+/// Forces on a body of the tree, gathered in lanes, in W, with their moments about the base's centre of mass.
+struct BodyLoad {
+  Lanes3 force = in_all_lanes(Vector3d::Zero()), about_base = force;
+};
+void push_body(Workspace& work, int body, const BodyLoad& load);
 /// push_links, and the reverse of the loads on a body of the tree.
-void push_apart(const State& state, Workspace& work, int first, const LinkLoads& load_W, int body, Partner partner);
+void push_apart(const State& state, Workspace& work, int first, const LinkLoads& load_W, BodyLoad& on_body,
+                Partner partner);
 
 inline void count_case(Workspace& work, ContactCase which, unsigned lanes) {
   work.case_count[static_cast<std::size_t>(which)] += std::popcount(lanes);
@@ -62,28 +67,33 @@ inline void count_case(Workspace& work, ContactCase which, unsigned lanes) {
           r(6) * v_L.x + r(7) * v_L.y + r(8) * v_L.z};
 }
 
+/// Blocks of a track, as bits, that may hold a link whose centre is within `radius` of `center` (W) seen from the side.
+[[nodiscard]] std::uint64_t blocks_near(const CompiledTrack& track, const Workspace& work, const Vector3d& center,
+                                        double radius);
+
 /// Calls visit(first, near) for windows of eight links in a row that together hold every link of the track whose centre
 /// is within `radius` of `center` (W), each once. A window begins at such a link; `near` says which others of it are.
 /// Neighbours in a track stay neighbours, so one window or two hold all that a wheel meets. ahead = 1: joints instead,
 /// whose link ahead is so near.
 template <typename Visit>
-void for_links_within(const CompiledTrack& track, const State& state, const Vector3d& center, double radius, int ahead,
-                      Visit visit) {
-  const Lanes largest = radius * radius;
+void for_links_within(const CompiledTrack& track, const State& state, const Workspace& work, const Vector3d& center,
+                      double radius, int ahead, Visit visit) {
   const int end = track.offset + track.num_links;
   const auto within = [&](int first) {
     const Lanes3 apart = load3(state.position, first + ahead) - in_all_lanes(center);
-    return (dot(apart, apart) <= largest) & LaneMask::first(end - first);
+    return (dot(apart, apart) <= radius * radius) & LaneMask::first(end - first);
   };
-  for (int first = track.offset; first < end; first += k_lanes) {
-    LaneMask near = within(first);
-    if (const unsigned bits = bits_of(near); bits == 0) {
-      continue;
-    } else if (const int far = std::countr_zero(bits); far > 0) {
-      first += far;
-      near = within(first);
+  int next = track.offset;  // links before it have been visited
+  for (std::uint64_t blocks = blocks_near(track, work, center, radius); blocks != 0; blocks &= blocks - 1) {
+    const int block = track.offset + k_lanes * std::countr_zero(blocks);
+    for (int first = std::max(next, block); first < std::min(end, block + k_lanes);) {
+      const unsigned bits = bits_of(within(first));
+      if (bits == 0) break;
+      first += std::countr_zero(bits);
+      if (first >= block + k_lanes) break;  // the next block's own
+      visit(first, within(first));
+      next = first += k_lanes;
     }
-    visit(first, near);
   }
 }
 

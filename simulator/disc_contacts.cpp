@@ -123,19 +123,21 @@ unsigned touch_guide(const Meeting& m, LinkLoads& load, TrackSums& sums, Workspa
   return touched;
 }
 
-void push_apart(const Meeting& m, const LinkLoads& load_L, Partner partner, const State& state, Workspace& work) {
+void push_apart(const Meeting& m, const LinkLoads& load_L, Partner partner, const State& state, BodyLoad& on_pair,
+                Workspace& work) {
   const LinkLoads load_W{to_world(work, m.first, load_L.force), to_world(work, m.first, load_L.torque)};
-  grouser::push_apart(state, work, m.first, load_W, m.discs.body, partner);
+  grouser::push_apart(state, work, m.first, load_W, on_pair, partner);
 }
 
 /// Both discs against wheel path and edges.
-void meet_path(const Meeting& m, double stiffness, const State& state, TrackSums& sums, Workspace& work) {
+void meet_path(const Meeting& m, double stiffness, const State& state, BodyLoad& on_pair, TrackSums& sums,
+               Workspace& work) {
   const double outwards = m.track.lateral * m.discs.disc_offset;
   LinkLoads load;
   const unsigned inner = touch_path(m, stiffness, -outwards, load, sums, work);
   const unsigned outer = touch_path(m, stiffness, outwards, load, sums, work);
   if ((inner | outer) == 0) return;
-  push_apart(m, load, m.discs.partner, state, work);
+  push_apart(m, load, m.discs.partner, state, on_pair, work);
   const unsigned edge = bits_of(0.5 * m.track.pitch < m.center.x.abs());
   count_case(work, ContactCase::one_disc_on_plate, (inner ^ outer) & ~edge);
   count_case(work, ContactCase::two_discs_on_plate, inner & outer & ~edge);
@@ -143,17 +145,18 @@ void meet_path(const Meeting& m, double stiffness, const State& state, TrackSums
   count_case(work, ContactCase::two_discs_on_edge, inner & outer & edge);
 }
 
-void meet_guide(const Meeting& m, const State& state, TrackSums& sums, Workspace& work) {
+void meet_guide(const Meeting& m, const State& state, BodyLoad& on_pair, TrackSums& sums, Workspace& work) {
   LinkLoads load;
   const unsigned touched = touch_guide(m, load, sums, work);
   count_case(work, ContactCase::guide_none, bits_of(m.near) & ~touched);
-  if (touched != 0) push_apart(m, load, Partner::guide, state, work);
+  if (touched != 0) push_apart(m, load, Partner::guide, state, on_pair, work);
 }
 
 void track_discs(const CompiledTrack& track, double stiffness_scale, const State& state, Workspace& work) {
   // A link can touch while its centre is this much farther from the axle than the rim: half a link and the plate's
   // height.
-  const double reach = std::hypot(track.pitch, std::max(track.wheel_path_height + track.guide_height, 0.0)) + 0.02;
+  const double height = std::max(track.wheel_path_height + track.guide_height, 0.0);
+  const double reach = std::sqrt(track.pitch * track.pitch + height * height) + 0.02;
   TrackSums sums;
   for (const CompiledDiscs& discs : track.discs) {
     const auto body = static_cast<std::size_t>(discs.body);
@@ -161,16 +164,18 @@ void track_discs(const CompiledTrack& track, double stiffness_scale, const State
     const Lanes3 axle_W = in_all_lanes(work.chassis.rotation[body].col(1));
     const Lanes3 spin_W = in_all_lanes(work.chassis.angular_velocity_W[body]);
     const Lanes3 velocity_W = in_all_lanes(work.chassis.velocity_at(discs.body, from_base));
-    for_links_within(track, state, center_W, discs.radius + reach, 0, [&](int first, const LaneMask& near) {
+    BodyLoad on_pair;
+    for_links_within(track, state, work, center_W, discs.radius + reach, 0, [&](int first, const LaneMask& near) {
       const Lanes3 center = to_links(work, first, in_all_lanes(center_W) - load3(state.position, first));
       const Lanes3 turn = load3(state.angular_velocity, first);
       const Lanes3 velocity = to_links(work, first, velocity_W - load3(state.velocity, first)) - cross(turn, center);
       const Meeting meeting{
           track,   discs, first, near, center, to_links(work, first, axle_W), to_links(work, first, spin_W) - turn,
           velocity};
-      meet_path(meeting, stiffness_scale * discs.contact.stiffness, state, sums, work);
-      if (track.guide_height > 0.0) meet_guide(meeting, state, sums, work);
+      meet_path(meeting, stiffness_scale * discs.contact.stiffness, state, on_pair, sums, work);
+      if (track.guide_height > 0.0) meet_guide(meeting, state, on_pair, sums, work);
     });
+    push_body(work, discs.body, on_pair);
   }
   work.energy.contact += sums.energy.sum();
   work.energy.contact_power += sums.contact_power.sum();

@@ -3,6 +3,32 @@
 namespace grouser {
 namespace {
 
+/// What the ground puts on eight links in a row over all their points, kept in registers until they are done.
+struct BlockLoad {
+  LinkLoads on_links;                    ///< W
+  Lanes stiffness = 0.0, damping = 0.0;  ///< towards the step's bound
+  Lanes energy = 0.0, contact_power = 0.0, ground_power = 0.0, step_loss = 0.0;
+  unsigned touches = 0;  ///< points that touch
+};
+
+/// What the contacts of one track leave to be summed over lanes at its end.
+struct Sums {
+  Lanes energy = 0.0, contact_power = 0.0, ground_power = 0.0, step_loss = 0.0;
+};
+
+/// What forces at a point of a link move it by.
+struct PointMobility {
+  double moving, pitching, rolling, tangential;
+  explicit PointMobility(const CompiledTrack& track)
+      : moving(1.0 / track.mass),
+        pitching(1.0 / track.inertia.y()),
+        rolling(1.0 / track.inertia.x()),
+        tangential(moving + track.ground_depth * track.ground_depth * pitching) {}
+  [[nodiscard]] double along_normal(const Vector3d& place_L) const {
+    return moving + place_L.x() * place_L.x() * pitching + place_L.y() * place_L.y() * rolling;
+  }
+};
+
 /// One point of eight links in a row against one body of the ground.
 struct GroundPoint {
   const CompiledTrack& track;
@@ -10,15 +36,9 @@ struct GroundPoint {
   int row;    ///< in the history's anchor fields
   int first;  ///< link array index of lane 0
   Lanes friction;
-  Vector3d place_L;   ///< in the link frame
-  Lanes3 arm, point;  ///< from the link's centre and from the origin, W
-  Lanes3 velocity;    ///< W
-};
-
-/// What the contacts of one track leave to be summed over lanes at its end.
-struct Sums {
-  Lanes energy = 0.0, contact_power = 0.0, ground_power = 0.0;
-  Lanes step_loss = 0.0;
+  double mobility_n, mobility_t;  ///< what a force along the normal and across it moves the point by [1/kg]
+  Lanes3 arm, point;              ///< from the link's centre and from the origin, W
+  Lanes3 velocity;                ///< W
 };
 
 /// Contact frame C on level ground: W itself.
@@ -39,18 +59,14 @@ struct TiltedFrame {
   Lanes3 x, y, z;  ///< axes of C in W
 };
 
-/// Where the bristles' springs were free: their anchors or, for points that came down since the last accepted state,
-/// the places where they touched. Without that a step that overshoots the touch-down takes away the stretch of its
-/// overshoot: the spring's error would be of first order.
+/// Where the bristles of points were free that came down since the last accepted state: the places where they touched.
+/// Without that a step that overshoots the touch-down takes away the stretch of its overshoot: the spring's error would
+/// be of first order.
 template <typename Frame>
-Lanes3 anchor_before(const GroundPoint& g, const Frame& frame, const History& before, const LaneMask& held,
-                     const Lanes3& velocity_C, const Lanes& depth) {
+Lanes3 place_of_touch(const GroundPoint& g, const Frame& frame, const Lanes3& velocity_C, const Lanes& depth) {
   const Lanes closing = -velocity_C.z;
   const Lanes since_touch = choose(depth < closing * g.h, depth / closing, g.h);
-  const Lanes3 way = frame.to_world(Lanes3{since_touch * velocity_C.x, since_touch * velocity_C.y, 0.0});
-  const Lanes3 anchor{load(before.anchor_x[g.row] + g.first), load(before.anchor_y[g.row] + g.first),
-                      load(before.anchor_z[g.row] + g.first)};
-  return choose(held, anchor, g.point - way);
+  return g.point - frame.to_world(Lanes3{since_touch * velocity_C.x, since_touch * velocity_C.y, 0.0});
 }
 
 /// Tangential force of a bristle: a spring from the anchor that yields at mu N, where the anchor is drawn along, and a
@@ -64,74 +80,77 @@ struct Bristle {
   LaneMask drawn;              ///< the anchor moved
 };
 
-/// x, y: from the old anchor to the point, in C; v: the point's velocity there; limit: mu N.
+/// x, y: from the old anchor to the point, in C; v: the point's velocity there; limit: mu N. Most bristles stick: roots
+/// and quotients are for blocks where one does not.
 Bristle bend(const CompiledTrack& track, const Lanes& x, const Lanes& y, const Lanes3& v, const Lanes& limit) {
   const double k = track.bristle_stiffness, c = track.bristle_damping;
-  const Lanes spring = k * (x * x + y * y).sqrt();
-  const LaneMask drawn = limit < spring;
-  const Lanes left = choose(drawn, limit / spring, 1.0);
-  const Lanes sx = left * x, sy = left * y, fx = -k * sx - c * v.x, fy = -k * sy - c * v.y;
-  const Lanes wanted = (fx * fx + fy * fy).sqrt();
-  const Lanes granted = choose(limit < wanted, limit / wanted, 1.0);
-  return {sx, sy, granted * fx, granted * fy, drawn};
-}
-
-/// Stiffness and damping of the contact over the link's inertia, for the stable step.
-void add_stability(const GroundPoint& g, const LaneMask& touching, const Lanes& elastic, Workspace& work) {
-  const CompiledTrack& track = g.track;
-  const double pitching = 1.0 / track.inertia.y(), rolling = 1.0 / track.inertia.x();
-  const double mobility_t = 1.0 / track.mass + track.ground_depth * track.ground_depth * pitching;
-  const double mobility_n =
-      1.0 / track.mass + g.place_L.x() * g.place_L.x() * pitching + g.place_L.y() * g.place_L.y() * rolling;
-  const double stiffness = track.ground.stiffness * mobility_n + track.bristle_stiffness * mobility_t;
-  const Lanes zero = 0.0;
-  add_to(work.stability[0] + g.first, choose(touching, stiffness, zero));
-  add_to(work.stability[1] + g.first,
-         (track.ground.rate / track.mass) * elastic + choose(touching, track.bristle_damping * mobility_t, zero));
+  const Lanes limit2 = limit * limit, spring2 = (k * k) * (x * x + y * y);
+  Bristle b{x, y, 0.0, 0.0, limit2 < spring2};
+  if (bits_of(b.drawn) != 0) {
+    const Lanes left = choose(b.drawn, limit / spring2.max(k_least_force).sqrt(), 1.0);
+    b.stretch_x *= left, b.stretch_y *= left;
+  }
+  b.force_x = -k * b.stretch_x - c * v.x;
+  b.force_y = -k * b.stretch_y - c * v.y;
+  const Lanes wanted2 = b.force_x * b.force_x + b.force_y * b.force_y;
+  if (const LaneMask too_much = limit2 < wanted2; bits_of(too_much) != 0) {
+    const Lanes granted = choose(too_much, limit / wanted2.max(k_least_force).sqrt(), 1.0);
+    b.force_x *= granted, b.force_y *= granted;
+  }
+  return b;
 }
 
 /// Points `depth` [m] below the ground's surface along the normal of `frame`, 0 where they are not.
 template <typename Frame>
 void press(const GroundPoint& g, const Frame& frame, const Lanes& depth, const History& before, History& after,
-           LinkLoads& load_W, Sums& sums, Workspace& work) {
+           BlockLoad& sum) {
   const CompiledTrack& track = g.track;
-  const Lanes zero = 0.0, half = 0.5;
-  const LaneMask touching = zero < depth, held = half < load(before.anchored[g.row] + g.first);
+  const LaneMask touching = 0.0 < depth, held = 0.5 < load(before.anchored[g.row] + g.first);
   const double k = track.bristle_stiffness;
-  store(after.anchored[g.row] + g.first, choose(touching, 1.0, zero));
+  store(after.anchored[g.row] + g.first, choose(touching, 1.0, 0.0));
   if (bits_of(touching | held) == 0) return;
-  const Lanes old_sx = choose(held, load(before.stretch_x[g.row] + g.first), zero);
-  const Lanes old_sy = choose(held, load(before.stretch_y[g.row] + g.first), zero);
+  const Lanes old_sx = choose(held, load(before.stretch_x[g.row] + g.first), 0.0);
+  const Lanes old_sy = choose(held, load(before.stretch_y[g.row] + g.first), 0.0);
   // A bristle let go gives up what it had stored.
-  const Lanes let_go = choose(touching, zero, 0.5 * k * (old_sx * old_sx + old_sy * old_sy));
+  sum.step_loss += choose(touching, 0.0, 0.5 * k * (old_sx * old_sx + old_sy * old_sy));
+  if (bits_of(touching) == 0) return;
 
   const Lanes3 velocity = frame.to_contact(g.velocity);
   const Lanes closing = -velocity.z, elastic = track.ground.stiffness * depth;
   const Lanes factor = normal_factor(track.ground, closing), normal = elastic * factor;
-  const Lanes3 old_anchor = anchor_before(g, frame, before, held, velocity, depth);
+  Lanes3 old_anchor{load(before.anchor_x[g.row] + g.first), load(before.anchor_y[g.row] + g.first),
+                    load(before.anchor_z[g.row] + g.first)};
+  if (bits_of(touching & !held) != 0) {
+    old_anchor = choose(held, old_anchor, place_of_touch(g, frame, velocity, depth));
+  }
   const Lanes3 from_anchor = frame.to_contact(g.point - old_anchor);
   const Bristle b = bend(track, from_anchor.x, from_anchor.y, velocity, g.friction * normal);
   const Lanes sx = b.stretch_x, sy = b.stretch_y;
-  const Lanes3 drawn_to = g.point - frame.to_world(Lanes3{sx, sy, zero});
-  const Lanes3 anchor = choose(b.drawn, drawn_to, old_anchor);
+  Lanes3 anchor = old_anchor;
+  if (const LaneMask drawn = touching & b.drawn; bits_of(drawn) != 0) {
+    anchor = choose(drawn, g.point - frame.to_world(Lanes3{sx, sy, 0.0}), old_anchor);
+    // Mean spring force over the step times the way of the anchor: with the stored energy's change this is the work,
+    // exactly.
+    const Lanes3 way = frame.to_contact(anchor - old_anchor);
+    sum.step_loss += choose(drawn, 0.5 * k * ((sx + old_sx) * way.x + (sy + old_sy) * way.y), 0.0);
+  }
   store(after.anchor_x[g.row] + g.first, anchor.x);
   store(after.anchor_y[g.row] + g.first, anchor.y);
   store(after.anchor_z[g.row] + g.first, anchor.z);
   store(after.stretch_x[g.row] + g.first, sx);
   store(after.stretch_y[g.row] + g.first, sy);
-  load_W.add(g.arm, frame.to_world(Lanes3{b.force_x, b.force_y, normal}));
-  count_case(work, ContactCase::ground_point, bits_of(touching));
-  add_stability(g, touching, elastic, work);
 
-  sums.energy += 0.5 * (elastic * depth + choose(touching, k * (sx * sx + sy * sy), zero));
-  sums.contact_power += elastic * (factor - 1.0) * closing;
+  const Lanes fx = choose(touching, b.force_x, 0.0), fy = choose(touching, b.force_y, 0.0);
+  const Lanes spring_x = choose(touching, k * sx, 0.0), spring_y = choose(touching, k * sy, 0.0);
+  sum.on_links.add(g.arm, frame.to_world(Lanes3{fx, fy, normal}));
+  sum.stiffness += choose(touching, track.ground.stiffness * g.mobility_n + k * g.mobility_t, 0.0);
+  sum.damping +=
+      (track.ground.rate / track.mass) * elastic + choose(touching, track.bristle_damping * g.mobility_t, 0.0);
+  sum.energy += 0.5 * (elastic * depth + spring_x * sx + spring_y * sy);
+  sum.contact_power += elastic * (factor - 1.0) * closing;
   // The damper's share. Not negative: mu N is a disc, the sum is scaled back to it and the spring lies inside.
-  sums.ground_power -= choose(touching, (b.force_x + k * sx) * velocity.x + (b.force_y + k * sy) * velocity.y, zero);
-  // Mean spring force over the step times the way of the anchor: with the stored energy's change this is the work,
-  // exactly.
-  const Lanes3 way = frame.to_contact(anchor - old_anchor);
-  const Lanes drawing = 0.5 * k * ((sx + old_sx) * way.x + (sy + old_sy) * way.y);
-  sums.step_loss += let_go + choose(touching & b.drawn, drawing, zero);
+  sum.ground_power -= (fx + spring_x) * velocity.x + (fy + spring_y) * velocity.y;
+  sum.touches += static_cast<unsigned>(std::popcount(bits_of(touching)));
 }
 
 /// Depth of a point below a surface and the surface's normal; no contact where depth <= 0.
@@ -175,7 +194,7 @@ Touch touch_half_rounds(const GroundSurface& ground, const Vector3d& point) {
 /// Finds the touch of every lane that is near.
 template <typename Find>
 void press_uneven(const GroundPoint& g, const LaneMask& near, Find find, const History& before, History& after,
-                  LinkLoads& load_W, Sums& sums, Workspace& work) {
+                  BlockLoad& sum) {
   Lanes depth = 0.0;
   Lanes3 normal = in_all_lanes(Vector3d::UnitZ());
   for (unsigned left = bits_of(near); left != 0; left &= left - 1) {
@@ -187,13 +206,14 @@ void press_uneven(const GroundPoint& g, const LaneMask& near, Find find, const H
     normal.y.set(lane, touch.normal.y());
     normal.z.set(lane, touch.normal.z());
   }
-  press(g, TiltedFrame(normal), depth, before, after, load_W, sums, work);
+  press(g, TiltedFrame(normal), depth, before, after, sum);
 }
 
 /// Links so low that they may touch.
 LaneMask links_near(const GroundSurface& ground, const CompiledTrack& track, int first, const State& state,
                     const Workspace& work) {
-  const double near = std::hypot(track.ground_depth, 0.5 * track.pitch) + 0.02;
+  const double half = 0.5 * track.pitch;
+  const double near = std::sqrt(track.ground_depth * track.ground_depth + half * half) + 0.02;
   Lanes highest = 0.0;
   for (int lane = 0; lane < k_lanes && !ground.level(); ++lane) {
     highest.set(lane, ground.highest_near(state.position[0][first + lane], state.position[1][first + lane]));
@@ -202,8 +222,21 @@ LaneMask links_near(const GroundSurface& ground, const CompiledTrack& track, int
   return (load(state.position[2] + first) <= highest + reach) & LaneMask::first(track.offset + track.num_links - first);
 }
 
+void book(const BlockLoad& sum, int first, Sums& sums, Workspace& work) {
+  sums.energy += sum.energy;
+  sums.contact_power += sum.contact_power;
+  sums.ground_power += sum.ground_power;
+  sums.step_loss += sum.step_loss;
+  if (sum.touches == 0) return;
+  push_links(work, first, sum.on_links, Partner::ground);
+  add_to(work.stability[0] + first, sum.stiffness);
+  add_to(work.stability[1] + first, sum.damping);
+  work.case_count[static_cast<std::size_t>(ContactCase::ground_point)] += sum.touches;
+}
+
 /// Of the places of one point on eight links: the edge of a zone may lie under a link.
 Lanes friction_at(const GroundSurface& ground, const Lanes3& place) {
+  if (ground.even_friction()) return ground.friction(0.0, 0.0);
   Lanes friction;
   for (int lane = 0; lane < k_lanes; ++lane) friction.set(lane, ground.friction(place.x[lane], place.y[lane]));
   return friction;
@@ -216,26 +249,36 @@ void meet_ground(const GroundSurface& ground, const CompiledTrack& track, int fi
   if (bits_of(near) == 0) return;
   const Lanes3 position = load3(state.position, first), velocity = load3(state.velocity, first);
   const Lanes3 turn = load3(work.angular_velocity_W, first);
+  const Lanes3 x = load_axis(work, 0, first), y = load_axis(work, 1, first), z = load_axis(work, 2, first);
   const int num_points = static_cast<int>(track.ground_points.size());
-  LinkLoads load_W;
+  const PointMobility mobility(track);
+  BlockLoad sum;
   for (int p = 0; p < num_points; ++p) {
     const Vector3d& place_L = track.ground_points[static_cast<std::size_t>(p)];
-    const Lanes3 arm = to_world(work, first, in_all_lanes(place_L));
-    const Lanes3 at = position + arm;
-    GroundPoint point{track, h, p, first, friction_at(ground, at), place_L, arm, at, velocity + cross(turn, arm)};
+    const Lanes3 arm = place_L.x() * x + place_L.y() * y + place_L.z() * z, at = position + arm;
+    GroundPoint point{track,
+                      h,
+                      p,
+                      first,
+                      friction_at(ground, at),
+                      mobility.along_normal(place_L),
+                      mobility.tangential,
+                      arm,
+                      at,
+                      velocity + cross(turn, arm)};
     if (ground.level()) {
-      const Lanes depth = choose(near, -point.point.z, 0.0).max(0.0);
-      press(point, LevelFrame{}, depth, before, state.history, load_W, sums, work);
+      const Lanes depth = choose(near, -at.z, 0.0).max(0.0);
+      press(point, LevelFrame{}, depth, before, state.history, sum);
       continue;
     }
-    const auto on_surface = [&](const Vector3d& place) { return touch_surface(ground, place); };
-    press_uneven(point, near, on_surface, before, state.history, load_W, sums, work);
+    const auto on_surface = [&](const Vector3d& there) { return touch_surface(ground, there); };
+    press_uneven(point, near, on_surface, before, state.history, sum);
     if (ground.half_rounds().empty()) continue;
     point.row += num_points;
-    const auto on_half_rounds = [&](const Vector3d& place) { return touch_half_rounds(ground, place); };
-    press_uneven(point, near, on_half_rounds, before, state.history, load_W, sums, work);
+    const auto on_half_rounds = [&](const Vector3d& there) { return touch_half_rounds(ground, there); };
+    press_uneven(point, near, on_half_rounds, before, state.history, sum);
   }
-  push_links(work, first, load_W, Partner::ground);
+  book(sum, first, sums, work);
 }
 
 }  // namespace

@@ -5,10 +5,13 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <vector>
 
 /// Eight neighbouring links or joints worked on at once. Track arrays are padded so that a block may be loaded at any
@@ -75,6 +78,7 @@ class Lanes {
     const Half four = halves(0) + halves(1);
     return (four[0] + four[2]) + (four[1] + four[3]);
   }
+  [[nodiscard]] double min_lane() const { return -(-*this).max_lane(); }
   [[nodiscard]] double max_lane() const {
     const Half a = halves(0), b = halves(1), four = a > b ? a : b;
     return std::max(std::max(four[0], four[1]), std::max(four[2], four[3]));
@@ -166,55 +170,68 @@ inline LaneMask LaneMask::first(int count) {
   return Lanes(Lanes::Values{0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0}) < Lanes(count);
 }
 
-/// Numbers to be looked up, eight places at once.
+/// Rows of numbers that are looked up at eight places at once. Column 0 rises and says where a row begins.
+template <std::size_t columns>
 class LaneTable {
  public:
   LaneTable() = default;
-  explicit LaneTable(const std::vector<double>& values)
-      : size_(static_cast<int>(values.size())), values_(std::max<std::size_t>(values.size(), 2 * k_lanes), 0.0) {
-    std::copy(values.begin(), values.end(), values_.begin());
-  }
-  [[nodiscard]] int size() const { return size_; }
-  [[nodiscard]] double operator[](int i) const { return values_[static_cast<std::size_t>(i)]; }
-  [[nodiscard]] const double* data() const { return values_.data(); }
-
- private:
-  int size_ = 0;
-  std::vector<double> values_;  ///< at least two blocks of lanes, which processors can choose from at once
-};
-
-/// A place in a table for each of eight lanes.
-class LaneIndex {
- public:
-  /// How many of the rising thresholds but the first are at or below x: the piece that x lies in, where the first
-  /// piece holds below its beginning too.
-  [[nodiscard]] static LaneIndex of_piece(const LaneTable& begin, const Lanes& x) {
-    LaneIndex index;
-    for (int p = 1; p < begin.size(); ++p) {
-#ifdef __AVX512DQ__
-      index.place_ -= Places(_mm512_movm_epi64((Lanes(begin[p]) <= x).bits()));
-#else
-      index.place_ -= (Lanes(begin[p]) <= x).bits();
-#endif
+  explicit LaneTable(const std::vector<std::array<double, columns>>& rows)
+      : length_(std::bit_ceil(std::max(rows.size(), k_at_once))), values_(columns * length_, 0.0) {
+    std::fill_n(values_.begin(), length_, std::numeric_limits<double>::infinity());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      for (std::size_t c = 0; c < columns; ++c) values_[c * length_ + i] = rows[i][c];
     }
-    return index;
   }
-  [[nodiscard]] Lanes in(const LaneTable& table) const {
-#ifdef __AVX512DQ__
-    if (table.size() <= 2 * k_lanes) {
-      const double* values = table.data();
-      return Lanes::Values(
-          _mm512_permutex2var_pd(load(values).values(), __m512i(place_), load(values + k_lanes).values()));
-    }
-#endif
-    Lanes result;
-    for (int lane = 0; lane < k_lanes; ++lane) result.set(lane, table[static_cast<int>(place_[lane])]);
-    return result;
+  /// The rows that x stand in; the first one holds below its beginning, too.
+  [[nodiscard]] std::array<Lanes, columns> at(const Lanes& x) const {
+    return length_ == k_at_once ? at<k_at_once>(x, k_at_once) : at<0>(x, length_);
   }
 
  private:
   using Places [[gnu::vector_size(sizeof(Lanes))]] = std::int64_t;
-  Places place_{};
+  static constexpr std::size_t k_at_once = 2 * k_lanes;  ///< numbers that AVX-512 can choose from at once
+  /// `at` for a table whose length is known when this is compiled, or not (0).
+  template <std::size_t known>
+  [[nodiscard]] std::array<Lanes, columns> at(const Lanes& x, std::size_t length) const {
+    const std::size_t n = known > 0 ? known : length;
+    Places place{};
+    for (auto half = static_cast<std::int64_t>(n / 2); half > 0; half /= 2) {  // bisection
+      const Places further = place + half;
+      place = choose(look_up(0, n, further) <= x, further, place);
+    }
+    std::array<Lanes, columns> row;
+    for (std::size_t c = 0; c < columns; ++c) row[c] = look_up(c, n, place);
+    return row;
+  }
+#ifdef __AVX512DQ__
+  [[nodiscard]] static Places choose(const LaneMask& mask, const Places& yes, const Places& no) {
+    return Places(_mm512_mask_blend_epi64(mask.bits(), __m512i(no), __m512i(yes)));
+  }
+  [[nodiscard]] Lanes look_up(std::size_t column, std::size_t length, const Places& place) const {
+    const double* from = values_.data() + column * length;
+    const auto among = [&](const double* at) {
+      return Lanes::Values(_mm512_permutex2var_pd(load(at).values(), __m512i(place), load(at + k_lanes).values()));
+    };
+    Lanes found = among(from);
+    for (std::size_t first = k_at_once; first < length; first += k_at_once) {
+      const auto reached = place >= static_cast<std::int64_t>(first);
+      found = Lanes::Values(reached ? among(from + first) : found.values());
+    }
+    return found;
+  }
+#else
+  [[nodiscard]] static Places choose(const LaneMask& mask, const Places& yes, const Places& no) {
+    return mask.bits() ? yes : no;
+  }
+  [[nodiscard]] Lanes look_up(std::size_t column, std::size_t length, const Places& place) const {
+    const double* from = values_.data() + column * length;
+    Lanes found;
+    for (int lane = 0; lane < k_lanes; ++lane) found.set(lane, from[place[lane]]);
+    return found;
+  }
+#endif
+  std::size_t length_ = 0;  ///< of a column
+  std::vector<double> values_;
 };
 
 /// Three-vectors of eight links.

@@ -89,7 +89,7 @@ struct PinForce {
 void push_pins(const Wheel& wheel, const Pins& pins, const PinForce& pushed, Workspace& work) {
   const CompiledTrack& track = wheel.track;
   const Lanes3 force = wheel.to_world(pushed.force);
-  push_body(work, track.sprocket.body, -force, -cross(pins.from_base_W, force));
+  push_body(work, track.sprocket.body, {-force, -cross(pins.from_base_W, force)});
   for (std::size_t b = 0; b < pins.bearers.size(); ++b) {
     const auto& [kind, from_joint, ahead, share] = pins.bearers[b];
     const int body = pins.first + from_joint;
@@ -268,7 +268,7 @@ void sprocket_contacts(const System& system, const AssemblyKnobs& knobs, const S
     const double outwards = track.lateral * sprocket.ring_offset;
     Sums sums;
     for_links_within(
-        track, state, state.chassis.position + wheel.center_W, reach, 1, [&](int first, const LaneMask& near) {
+        track, state, work, state.chassis.position + wheel.center_W, reach, 1, [&](int first, const LaneMask& near) {
           const auto pins = [&](double aside) { return place_pins(wheel, bearers, state, work, first, near, aside); };
           for (const double ring : {-outwards, outwards}) meet_ring(wheel, pins(ring), state, sums, work);
           meet_sides(wheel, pins(0.0), state, sums, work);

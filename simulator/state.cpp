@@ -64,10 +64,12 @@ Workspace make_workspace(const System& system) {
   work.force_W = Field(3, n);
   work.torque_W = Field(3, n);
   work.stability = Field(2, n);
+  for (Field& box : work.box) box = Field(4, padded_length(n / k_lanes));
   for (Field& field : work.contact_force_W) field = Field(3, n);
   for (const CompiledTrack& track : system.tracks) {
     for (std::size_t a = 0; a < k_num_axes; ++a) {
-      work.branch_step[static_cast<std::size_t>(index_of(track.side))][a].resize(track.bushing[a].branches.size());
+      work.branch_step[static_cast<std::size_t>(index_of(track.side))][a].branch.resize(
+          track.bushing[a].branches.size());
     }
   }
   work.rim_damping.assign(system.tree.bodies.size(), 0.0);

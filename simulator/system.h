@@ -15,16 +15,15 @@ namespace grouser {
 /// Spring curve in pieces, force = c0 + u (c1 + u (c2 + u c3)) with u from a piece's beginning. The first piece holds
 /// below its beginning too and the last one for ever, for the ends are straight.
 struct CompiledSpring {
-  bool odd = false;  ///< f(-x) = -f(x): the pieces cover x >= 0 and the sign is carried, exact in a mirror
-  LaneTable begin;   ///< of the pieces, rising [m or rad]
-  std::array<LaneTable, 4> cubic;  ///< force over the displacement from there
-  LaneTable energy;                ///< stored at the beginning, zero at displacement 0 [J]
+  bool odd = false;     ///< f(-x) = -f(x): the pieces cover x >= 0 and the sign is carried, exact in a mirror
+  LaneTable<6> pieces;  ///< beginning [m or rad], c0 to c3, energy stored there [J] (zero at displacement 0)
 };
 
 /// One bushing axis as the step uses it (model/bushing_law.h).
 struct CompiledAxis {
   CompiledSpring spring;
   std::vector<FrictionStop> stops;
+  double stop_stiffness = 0.0;  ///< of all stops
   std::vector<MaxwellBranch> branches;
   double yield_growth = 0.0;  ///< 1/m^2 or 1/rad^2
   double viscous = 0.0;
@@ -83,7 +82,8 @@ struct LinkBodies {
 
 struct CompiledTrack {
   Side side = Side::left;
-  double lateral = 1.0;  ///< outwards along +-y: what comes in lateral pairs is worked through in this order
+  Side law = Side::left;  ///< the first side whose bushings are the same
+  double lateral = 1.0;   ///< outwards along +-y: what comes in lateral pairs is worked through in this order
   int num_links = 0;
   int offset = 0;  ///< first element in the link arrays
   double pitch = 0.0;

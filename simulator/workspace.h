@@ -66,6 +66,12 @@ struct AssemblyKnobs {
   std::array<double, k_num_sides> tensioner_reference{};  ///< rad, idler arm angle at which the tensioner is free
 };
 
+/// Constants of an axis' Maxwell branches for one step, and their sums.
+struct AxisBranches {
+  std::vector<MaxwellStep> branch;
+  double gain = 0.0, work_per_way = 0.0;
+};
+
 /// Overwritten by every evaluation; each array says its shape, unit, frame and which stage writes it.
 struct Workspace {
   TreeWorkspace chassis;  ///< by place_bodies, chassis_accelerations
@@ -82,6 +88,9 @@ struct Workspace {
   Field joint_stiffness;  ///< dynamic tangent of x, y, z, swing axes rx, rz, hinge ry (6 x joints), by bushing_forces
   Field joint_damping;    ///< ditto, viscous (6 x joints), by bushing_forces
 
+  /// Around each block of eight links and the link ahead: least and largest x, least and largest z, W [m] (4 x blocks
+  /// of a track), by place_links.
+  std::array<Field, k_num_sides> box;
   Field force_W;    ///< total on each link [N], W (3 x links), by contacts and sum_forces
   Field torque_W;   ///< about its centre [N m], W (3 x links)
   Field stability;  ///< sums of k/m and c/m over contacts and joints [1/s^2, 1/s] (2 x links)
@@ -90,7 +99,7 @@ struct Workspace {
                                     ///< disc_contacts
 
   /// Maxwell constants for the step's length, by side and axis, by bushing_forces.
-  std::array<std::array<std::vector<MaxwellStep>, k_num_axes>, k_num_sides> branch_step;
+  std::array<std::array<AxisBranches, k_num_axes>, k_num_sides> branch_step;
   std::vector<double> prescribed_acceleration;  ///< by drive (tree bodies)
   EnergyTerms energy;
   std::array<double, k_num_sides>
@@ -100,6 +109,12 @@ struct Workspace {
   Part bounding;                                       ///< what set it
   int bottomed_unit = -1;  ///< tree body of an arm whose gas unit has no volume left, by suspension_forces
 };
+
+/// Axis 0, 1 or 2 of eight links in a row, W.
+[[nodiscard]] inline Lanes3 load_axis(const Workspace& work, int axis, int first) {
+  return {load(work.rotation[axis] + first), load(work.rotation[3 + axis] + first),
+          load(work.rotation[6 + axis] + first)};
+}
 
 [[nodiscard]] Workspace make_workspace(const System& system);
 

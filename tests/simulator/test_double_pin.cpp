@@ -143,8 +143,7 @@ TEST(DoublePin, WholeRubberTurnsPowerIntoStorageAndLossInEachOfItsBushings) {
     auto branch_step = pair.work.branch_step[0];
     constexpr double k_h = 1e-4;
     for (std::size_t a = 0; a < k_num_axes; ++a) {
-      for (std::size_t m = 0; m < branch_step[a].size(); ++m)
-        branch_step[a][m] = maxwell_step(track.bushing[a].branches[m], k_h);
+      prepare_branches(track.bushing[a], k_h, branch_step[a]);
     }
     const RubberStep step{track, branch_step, before, pair.state.history, k_h, true};
     BodyLanes link = load_bodies(pair.state, pair.work, 0), next = load_bodies(pair.state, pair.work, 1);
