@@ -28,7 +28,7 @@ std::string with_replaced(std::string text, std::string_view from, std::string_v
 /// Suffix of a name for a unit as people write it ("N/mm" -> "N_per_mm", "°C" -> "degC"); empty when it is unknown.
 std::string unit_suffix(std::string_view written) {
   // Degree and micro signs also in Latin-1, as older loggers write them.
-  static constexpr std::array<std::pair<std::string_view, std::string_view>, 14> spellings{{
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 18> spellings{{
       {"\xC2\xB0"
        "C",
        "degC"},
@@ -43,6 +43,10 @@ std::string unit_suffix(std::string_view written) {
       {"\xC2\xB5", "u"},
       {"\xCE\xBC", "u"},
       {"\xB5", "u"},
+      {"^", ""},
+      {"\xC2\xB2", "2"},
+      {"\xB2", "2"},
+      {"\xC2\xB3", "3"},
       {"/", "_per_"},
       {"\xC2\xB7", "_"},
       {"*", "_"},

@@ -246,6 +246,11 @@ json comparison_facts(const Folders& runs, const ComparisonOptions& options, con
              {"checks", check_rows(runs)},
              {"ratings", rating_blocks(runs, compared, options.limits)},
              {"figures", overlay_figures(runs, compared, id)}};
+  facts["rating_note"] = facts["ratings"].empty()
+                             ? ""
+                             : "The first run is the reference, not the truth. What rings at link passing soon has no "
+                               "phase in common from run to run; of such channels Sprague-Geers M, the size, tells "
+                               "more than correlation does.";
   facts["connection"] = connection_facts(runs);
   facts["has_inputs"] = !facts["inputs"].empty();
   facts["has_checks"] = !facts["checks"].empty();

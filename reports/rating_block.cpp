@@ -54,6 +54,24 @@ json part_facts(const Ratings& ratings) {
   return parts;
 }
 
+/// What lies beyond its limit; empty when nothing does.
+std::string missed_limits(const RatedChannel& rated, const RatingLimits& limits) {
+  std::string failing;
+  for (const RatedMeasure& measure : rated_measures()) {
+    const std::optional<double> limit = limits.of(measure.key), value = measure.value(rated.ratings);
+    if (limit && !(value && measure.meets(*value, *limit)))
+      failing += (failing.empty() ? "" : ", ") + std::string(measure.brief);
+  }
+  return failing;
+}
+
+/// Of two runs, neither of which is the truth.
+std::string likeness(const RatedChannel& rated, const RatingLimits& limits) {
+  if (!rated.unrated.empty()) return "not rated: " + rated.unrated;
+  const std::string missed = missed_limits(rated, limits);
+  return missed.empty() ? "alike" : "differs: " + missed;
+}
+
 json row_facts(const RatedChannel& rated, const RatingLimits& limits, bool judged) {
   const bool based = rated.base.problem.empty(), is_rated = rated.unrated.empty();
   json row{{"name", rated.name}, {"label", channel_label(rated.name)}, {"cells", json::array()}};
@@ -64,7 +82,7 @@ json row_facts(const RatedChannel& rated, const RatingLimits& limits, bool judge
   row["rmse"] = based ? quantity_facts(rated.ratings.rmse, rated.unit, 3) : json{{"text", "–"}};
   row["rated"] = is_rated;
   row["pass"] = is_rated && meets_limits(rated, limits);
-  row["verdict"] = rating_verdict(rated, limits);
+  row["verdict"] = judged ? rating_verdict(rated, limits) : likeness(rated, limits);
   row["mark"] = !judged || !is_rated ? "" : row["pass"] == true ? "pass" : "fail";
   row["from"] = based ? quantity_facts(rated.base.begin, "s") : json{{"text", "–"}};
   row["to"] = based ? quantity_facts(rated.base.end(), "s") : json{{"text", "–"}};
@@ -120,18 +138,14 @@ bool meets_limits(const RatedChannel& rated, const RatingLimits& limits) {
 
 std::string rating_verdict(const RatedChannel& rated, const RatingLimits& limits) {
   if (!rated.unrated.empty()) return "not rated: " + rated.unrated;
-  std::string failing;
-  for (const RatedMeasure& measure : rated_measures()) {
-    const std::optional<double> limit = limits.of(measure.key), value = measure.value(rated.ratings);
-    if (limit && !(value && measure.meets(*value, *limit)))
-      failing += (failing.empty() ? "" : ", ") + std::string(measure.brief);
-  }
-  return failing.empty() ? "all limits met" : "missed: " + failing;
+  const std::string missed = missed_limits(rated, limits);
+  return missed.empty() ? "all limits met" : "missed: " + missed;
 }
 
 json ratings_facts(const std::vector<RatedChannel>& rated, const RatingLimits& limits, bool judged) {
   json facts{{"judged", judged},      {"heads", json::array()},   {"further_heads", json::array()},
              {"rows", json::array()}, {"sources", json::array()}, {"remarks", json::array()}};
+  facts["verdict_head"] = judged ? "Verdict" : "Likeness";
   facts["parts_caption"] =
       "The four parts of the rating by ISO/TS 18571:2014 (weights 0.4, 0.2, 0.2, 0.2) and further measures";
   for (const RatedMeasure& measure : rated_measures()) {

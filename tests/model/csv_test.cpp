@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <sstream>
 
@@ -68,6 +69,22 @@ TEST(Csv, KnowsUnitsAsPeopleWriteThem) {
   // A unit that nobody knows keeps its row a row of units, and stays with the name for messages to show.
   EXPECT_EQ(names("t,x,load\nsec,mm,pond\n1,2,3\n"), (std::vector<std::string>{"t_s", "x_mm", "load [pond]"}));
   EXPECT_EQ(names("t,load\nms,daN\n1,2\n"), (std::vector<std::string>{"t_ms", "load_daN"}));
+  EXPECT_EQ(names("a [m/s^2],b [m/s\xC2\xB2],c [mm\xB2],n\n1,2,3,4\n"),
+            (std::vector<std::string>{"a_m_per_s2", "b_m_per_s2", "c_mm2", "n"}));
+}
+
+TEST(Csv, TakesFieldsThatAreLeftFreeForNothingWhereThatIsAsked) {
+  const std::string table = "time_s,force_kN\n0,\n1,NaN\n2,3\n";
+  Findings findings("table.csv");
+  EXPECT_EQ(read_csv(table, {"force_kN"}, findings).size(), 1u);
+  EXPECT_EQ(findings.size(), 2u);
+  std::istringstream stream(table);
+  Findings none("table.csv");
+  const auto columns = CsvReader(stream, none).read({"force_kN", "time_s"}, CsvReader::Missing::as_nan);
+  EXPECT_TRUE(none.empty());
+  EXPECT_TRUE(std::isnan(columns[0].values[0]) && std::isnan(columns[0].values[1]));
+  EXPECT_EQ(columns[0].values[2], 3.0);
+  EXPECT_EQ(columns[1].values, (std::vector<double>{0.0, 1.0, 2.0}));
 }
 
 TEST(Csv, PassesOverWhatALoggerWritesAboveTheNames) {

@@ -4,6 +4,7 @@ import csv
 import hashlib
 import json
 import os
+import random
 import signal
 import struct
 import subprocess
@@ -220,6 +221,36 @@ class Pipeline(unittest.TestCase):
         self.assertIn("ynthetic", page)
         self.assertNotRegex(page, r"(src|href)=[\"']https?:")
         self.read_json("report.json")
+    def test_a_run_is_rated_against_what_was_measured_on_it(self):
+        """The run's own torque by a sensor that shows 10 % too much, by a clock that is 4 ms late, in kN m, with noise."""
+        with h5py.File(self.path("run", "run.h5"), "r") as file:
+            time, torque = file["probes/time"][()], file["probes/sprocket_torque"][:, 0]
+        noise, measured = random.Random(5), self.path("drive.csv")
+        with open(measured, "w", encoding="cp1252") as file:
+            file.write("Fahrt 17\nZeit [ms];Antrieb R\u00fcck [kNm];\u00d6l [\u00b0C]\n")
+            for t, value in zip(time, torque, strict=True):
+                row = (1e3 * (t + 0.004), 1.1e-3 * value + noise.gauss(0.0, 0.01), 80.0)
+                file.write(";".join(f"{number:.6f}".replace(".", ",") for number in row) + "\n")
+        columns = ["--channel", "Zeit=time", "--channel", "Antrieb R\u00fcck=sprocket_torque_left"]
+        made = result("report", self.run_dir, "--against", measured, *columns, "-o", self.path("measured.html"))
+        self.assertEqual([channel["channel"] for channel in made["channels"]], ["probes_sprocket_torque_left"])
+        rated, = self.read_json("measured.json")["against"][0]["ratings"]["rows"]
+        values = {cell["key"]: cell["value"] for cell in rated["cells"] + rated["further"]}
+        self.assertAlmostEqual(values["lag"], -0.004, delta=1e-9)
+        self.assertAlmostEqual(values["magnitude"], 1 / 1.1 - 1, delta=0.02)  # over parts that do not quite overlap
+        mended = result("report", self.run_dir, "--against", measured, *columns, "--shift", "-0.004", "--limit",
+                        "magnitude=0.1", "-o", self.path("measured.html"))
+        self.assertTrue(mended["channels"][0]["pass"], mended)
+
+    def test_a_channel_that_nobody_knows_is_told_with_the_nearest_one(self):
+        measured = self.path("typo.csv")
+        with open(measured, "w", encoding="utf-8") as file:
+            file.write("time_s,sped_m_per_s\n0,1\n0.1,2\n")
+        done = subprocess.run([COMMAND, "report", self.run_dir, "--against", measured], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertIn("column sped_m_per_s: expected the name of a channel, found sped (did you mean speed?)", done.stderr)
+        done = subprocess.run([COMMAND, "report", self.run_dir, "--limit", "isso=1"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 2, done.stderr)
 
     def test_export_writes_every_dataset_in_columns_with_units(self):
         run("export", self.run_dir, "--format", "csv", "-o", self.path("csv"))
