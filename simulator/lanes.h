@@ -176,7 +176,7 @@ class LaneTable {
  public:
   LaneTable() = default;
   explicit LaneTable(const std::vector<std::array<double, columns>>& rows)
-      : length_(std::bit_ceil(std::max(rows.size(), k_at_once))), values_(columns * length_, 0.0) {
+      : length_(std::bit_ceil(std::max<std::size_t>(rows.size(), k_lanes))), values_(columns * length_, 0.0) {
     std::fill_n(values_.begin(), length_, std::numeric_limits<double>::infinity());
     for (std::size_t i = 0; i < rows.size(); ++i) {
       for (std::size_t c = 0; c < columns; ++c) values_[c * length_ + i] = rows[i][c];
@@ -184,12 +184,13 @@ class LaneTable {
   }
   /// The rows that x stand in; the first one holds below its beginning, too.
   [[nodiscard]] std::array<Lanes, columns> at(const Lanes& x) const {
-    return length_ == k_at_once ? at<k_at_once>(x, k_at_once) : at<0>(x, length_);
+    return length_ == k_lanes       ? at<k_lanes>(x, k_lanes)
+           : length_ == 2 * k_lanes ? at<2 * k_lanes>(x, 2 * k_lanes)
+                                    : at<0>(x, length_);
   }
 
  private:
   using Places [[gnu::vector_size(sizeof(Lanes))]] = std::int64_t;
-  static constexpr std::size_t k_at_once = 2 * k_lanes;  ///< numbers that AVX-512 can choose from at once
   /// `at` for a table whose length is known when this is compiled, or not (0).
   template <std::size_t known>
   [[nodiscard]] std::array<Lanes, columns> at(const Lanes& x, std::size_t length) const {
@@ -209,13 +210,14 @@ class LaneTable {
   }
   [[nodiscard]] Lanes look_up(std::size_t column, std::size_t length, const Places& place) const {
     const double* from = values_.data() + column * length;
-    const auto among = [&](const double* at) {
+    if (length == k_lanes) return Lanes::Values(_mm512_permutexvar_pd(__m512i(place), load(from).values()));
+    const auto among_sixteen = [&](const double* at) {
       return Lanes::Values(_mm512_permutex2var_pd(load(at).values(), __m512i(place), load(at + k_lanes).values()));
     };
-    Lanes found = among(from);
-    for (std::size_t first = k_at_once; first < length; first += k_at_once) {
+    Lanes found = among_sixteen(from);
+    for (std::size_t first = 2 * k_lanes; first < length; first += 2 * k_lanes) {
       const auto reached = place >= static_cast<std::int64_t>(first);
-      found = Lanes::Values(reached ? among(from + first) : found.values());
+      found = Lanes::Values(reached ? among_sixteen(from + first) : found.values());
     }
     return found;
   }
