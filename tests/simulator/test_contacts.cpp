@@ -11,20 +11,6 @@ namespace {
 
 Quaterniond roll(double angle) { return Quaterniond(Eigen::AngleAxisd(angle, Vector3d::UnitX())); }
 
-TEST(LaneMask, SaysYesLaneByLane) {
-  Lanes x, y;
-  for (int lane = 0; lane < k_lanes; ++lane) x.set(lane, lane), y.set(lane, 7 - lane);
-  EXPECT_EQ(bits_of(x < y), 0b00001111u);
-  EXPECT_EQ(bits_of(x <= 4.0), 0b00011111u);
-  EXPECT_EQ(bits_of((!(x < y)) & LaneMask::first(6)), 0b00110000u);
-  EXPECT_EQ(bits_of((x < y) | LaneMask::first(6)), 0b00111111u);
-  EXPECT_EQ(bits_of(LaneMask::first(0)), 0u);
-  EXPECT_EQ(bits_of(LaneMask::first(76)), 0b11111111u);
-  const Lanes larger = choose(x < y, y, x);
-  EXPECT_EQ((larger - x.max(y)).abs().max_lane(), 0.0);
-  EXPECT_EQ(bits_of(std::nan("") < x), 0u);  // what is not a number is not less
-}
-
 TEST(ContactLaw, RateCoefficientGivesTheAskedRestitution) {
   // a v over the restitution (D 5.1), inverted; five digits of the table.
   const double table[][2] = {{0.01, 0.99338}, {0.1, 0.93748}, {0.2, 0.88219}, {0.5, 0.74843},
