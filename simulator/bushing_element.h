@@ -86,7 +86,9 @@ struct ElementWrench {
 [[nodiscard]] ElementWrench element_wrench(const BodyLanes& own, const BodyLanes& next, const ElementKinematics& k,
                                            const AxisLanes& force);
 
-/// Arc tangent of eight numbers in [-0.66, 0.66] to 2 ulp (rational approximation of Cephes atan; wrong by 1e-10 at 1).
+/// Arc tangent of eight numbers up to k_largest_tangent in size to 2 ulp (rational approximation of Cephes atan; wrong
+/// by 1e-10 at 1).
+inline constexpr double k_largest_tangent = 0.66;
 [[nodiscard]] Lanes arc_tangent(const Lanes& x);
 
 }  // namespace grouser
