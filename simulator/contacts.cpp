@@ -14,14 +14,6 @@ void push_body(Workspace& work, int body, const BodyLoad& load) {
   on_body.tail<3>() += sum_of_lanes(load.force);
 }
 
-void push_apart(const State& state, Workspace& work, int first, const LinkLoads& load_W, BodyLoad& on_body,
-                Partner partner) {
-  push_links(work, first, load_W, partner);
-  const Lanes3 from_base = load3(state.position, first) - in_all_lanes(state.chassis.position);
-  on_body.force = on_body.force - load_W.force;
-  on_body.about_base = on_body.about_base - (cross(from_base, load_W.force) + load_W.torque);
-}
-
 std::uint64_t blocks_near(const CompiledTrack& track, const Workspace& work, const Vector3d& center, double radius) {
   const Field& box = work.box[static_cast<std::size_t>(index_of(track.side))];
   const int num_blocks = (track.num_links + k_lanes - 1) / k_lanes;

@@ -47,52 +47,32 @@ struct BodyLoad {
   Lanes3 force = in_all_lanes(Vector3d::Zero()), about_base = force;
 };
 void push_body(Workspace& work, int body, const BodyLoad& load);
-/// push_links, and the reverse of the loads on a body of the tree.
-void push_apart(const State& state, Workspace& work, int first, const LinkLoads& load_W, BodyLoad& on_body,
-                Partner partner);
-
 inline void count_case(Workspace& work, ContactCase which, unsigned lanes) {
   work.case_count[static_cast<std::size_t>(which)] += std::popcount(lanes);
-}
-
-/// Vectors of eight links in a row from World to the link frames and back; work.rotation from place_links.
-[[nodiscard]] inline Lanes3 to_links(const Workspace& work, int first, const Lanes3& v_W) {
-  const auto r = [&](int c) { return load(work.rotation[c] + first); };
-  return {r(0) * v_W.x + r(3) * v_W.y + r(6) * v_W.z, r(1) * v_W.x + r(4) * v_W.y + r(7) * v_W.z,
-          r(2) * v_W.x + r(5) * v_W.y + r(8) * v_W.z};
-}
-[[nodiscard]] inline Lanes3 to_world(const Workspace& work, int first, const Lanes3& v_L) {
-  const auto r = [&](int c) { return load(work.rotation[c] + first); };
-  return {r(0) * v_L.x + r(1) * v_L.y + r(2) * v_L.z, r(3) * v_L.x + r(4) * v_L.y + r(5) * v_L.z,
-          r(6) * v_L.x + r(7) * v_L.y + r(8) * v_L.z};
 }
 
 /// Blocks of a track, as bits, that may hold a link whose centre is within `radius` of `center` (W) seen from the side.
 [[nodiscard]] std::uint64_t blocks_near(const CompiledTrack& track, const Workspace& work, const Vector3d& center,
                                         double radius);
 
-/// Calls visit(first, near) for windows of eight links in a row that together hold every link of the track whose centre
-/// is within `radius` of `center` (W), each once. A window begins at such a link; `near` says which others of it are.
-/// Neighbours in a track stay neighbours, so one window or two hold all that a wheel meets. ahead = 1: joints instead,
-/// whose link ahead is so near.
-template <typename Visit>
-void for_links_within(const CompiledTrack& track, const State& state, const Workspace& work, const Vector3d& center,
-                      double radius, int ahead, Visit visit) {
+/// Calls visit(first, bits) for windows of `width` links or joints in a row that together hold all that are near, each
+/// once. near(first) is the mask of eight from `first` on; a window begins at one that is near, and bit k of `bits`
+/// says whether the k-th of it is. Neighbours in a track stay neighbours, so one window or two hold all that a wheel
+/// meets.
+template <int width, typename Near, typename Visit>
+void for_windows(const CompiledTrack& track, std::uint64_t blocks, Near near, Visit visit) {
   const int end = track.offset + track.num_links;
-  const auto within = [&](int first) {
-    const Lanes3 apart = load3(state.position, first + ahead) - in_all_lanes(center);
-    return (dot(apart, apart) <= radius * radius) & LaneMask::first(end - first);
-  };
-  int next = track.offset;  // links before it have been visited
-  for (std::uint64_t blocks = blocks_near(track, work, center, radius); blocks != 0; blocks &= blocks - 1) {
+  const auto bits_at = [&](int first) { return bits_of(near(first) & LaneMask::first(end - first)); };
+  int next = track.offset;  // what stands before it has been visited
+  for (; blocks != 0; blocks &= blocks - 1) {
     const int block = track.offset + k_lanes * std::countr_zero(blocks);
     for (int first = std::max(next, block); first < std::min(end, block + k_lanes);) {
-      const unsigned bits = bits_of(within(first));
+      const unsigned bits = bits_at(first);
       if (bits == 0) break;
       first += std::countr_zero(bits);
       if (first >= block + k_lanes) break;  // the next block's own
-      visit(first, within(first));
-      next = first += k_lanes;
+      visit(first, bits_at(first) & ((1u << width) - 1u));
+      next = first += width;
     }
   }
 }

@@ -1,3 +1,6 @@
+#include <array>
+#include <cmath>
+
 #include "simulator/contacts.h"
 
 namespace grouser {
@@ -9,12 +12,42 @@ struct TrackSums {
   Lanes guide_offset = 0.0;
 };
 
-/// A disc pair met by eight links in a row, each in its own link frame L.
+constexpr int k_window = k_lanes / 2;
+constexpr unsigned k_one_disc = (1u << k_window) - 1u;  ///< bits of the lanes of one disc
+
+/// Four links in a row, twice: lanes 0 to 3 for the inner disc of a pair, 4 to 7 for the outer one.
+struct LinkFrames {
+  explicit LinkFrames(const Workspace& work, int first) {
+    for (int c = 0; c < 9; ++c) r[static_cast<std::size_t>(c)] = load_twice(work.rotation[c] + first);
+  }
+  [[nodiscard]] Lanes3 to_links(const Lanes3& v_W) const {
+    return {r[0] * v_W.x + r[3] * v_W.y + r[6] * v_W.z, r[1] * v_W.x + r[4] * v_W.y + r[7] * v_W.z,
+            r[2] * v_W.x + r[5] * v_W.y + r[8] * v_W.z};
+  }
+  [[nodiscard]] Lanes3 to_world(const Lanes3& v_L) const {
+    return {r[0] * v_L.x + r[1] * v_L.y + r[2] * v_L.z, r[3] * v_L.x + r[4] * v_L.y + r[5] * v_L.z,
+            r[6] * v_L.x + r[7] * v_L.y + r[8] * v_L.z};
+  }
+  std::array<Lanes, 9> r;  ///< link -> W, row-major
+};
+
+Lanes3 load_twice3(const Field& field, int first) {
+  return {load_twice(field[0] + first), load_twice(field[1] + first), load_twice(field[2] + first)};
+}
+
+/// What a unit force moves a link's centre and turns it about y and x by [1/kg, 1/(kg m^2)].
+struct Mobility {
+  double moving, pitching, rolling;
+};
+
+/// A disc pair met by four links in a row, each in its own link frame L.
 struct Meeting {
   const CompiledTrack& track;
   const CompiledDiscs& discs;
-  int first;        ///< link array index of lane 0
-  LaneMask near;    ///< lanes that count
+  const Mobility& mobility;
+  int first;      ///< link array index of lane 0
+  LaneMask near;  ///< lanes that count
+  LinkFrames frames;
   Lanes3 center;    ///< the pair's centre from the link's [m]
   Lanes3 axle;      ///< unit vector
   Lanes3 spin;      ///< angular velocity of the pair against the link [rad/s]
@@ -47,8 +80,8 @@ Patch foundation(const Lanes& depth, double radius, const Lanes& from, const Lan
   return {-slope, area, energy, (radius * slope / area.max(k_least_area)).max(a).min(b), width};
 }
 
-/// One disc on plate or edge. Returns the lanes that it touches.
-unsigned touch_path(const Meeting& m, double stiffness, double lateral, LinkLoads& load, TrackSums& sums,
+/// Both discs on plates or edges, `lateral` from the pair's centre. Returns the lanes that they touch.
+unsigned touch_path(const Meeting& m, double stiffness, const Lanes& lateral, LinkLoads& load, TrackSums& sums,
                     Workspace& work) {
   const CompiledTrack& track = m.track;
   const CompiledContact& law = m.discs.contact;
@@ -73,11 +106,12 @@ unsigned touch_path(const Meeting& m, double stiffness, double lateral, LinkLoad
   load.add(disc, {-fx * factor, 0.0, -fz * factor});
   load.add(place, {q * slip.x, q * slip.y, 0.0});
 
-  const double moving = 1.0 / track.mass, pitching = 1.0 / track.inertia.y(), rolling = 1.0 / track.inertia.x();
+  const auto& [moving, pitching, rolling] = m.mobility;
   const Lanes steepest = steepest_friction(law, normal);
   const Lanes x_mobility = moving + pitching * disc.x * disc.x;
-  add_to(work.stability[0] + m.first, stiffness * patch.width * (x_mobility + rolling * disc.y * disc.y));
-  add_to(work.stability[1] + m.first, (moving + pitching * path * path) * steepest + law.rate * elastic * x_mobility);
+  add_halves_to(work.stability[0] + m.first, stiffness * patch.width * (x_mobility + rolling * disc.y * disc.y));
+  add_halves_to(work.stability[1] + m.first,
+                (moving + pitching * path * path) * steepest + law.rate * elastic * x_mobility);
   work.rim_damping[static_cast<std::size_t>(m.discs.body)] += steepest.sum();
   sums.energy += stiffness * patch.energy;
   sums.contact_power += elastic * (factor - 1.0) * closing;
@@ -95,7 +129,8 @@ unsigned touch_guide(const Meeting& m, LinkLoads& load, TrackSums& sums, Workspa
   const Lanes zero = 0.0, one = 1.0, aside = m.center.y.abs();
   const Lanes weight = 1.0 - (1.0 / track.pitch) * m.center.x.abs();
   const Lanes s = m.center.z - (m.discs.radius + track.wheel_path_height), overlap = track.guide_height - s;
-  const LaneMask engaged = m.near & (zero < weight) & (zero < overlap) & (zero <= m.center.z);
+  const LaneMask engaged =
+      m.near & LaneMask::of_bits(k_one_disc) & (zero < weight) & (zero < overlap) & (zero <= m.center.z);
   sums.guide_offset = sums.guide_offset.max(choose(engaged, aside, zero));
 
   const double slope = (track.guide_half_base - track.guide_half_top) / track.guide_height;
@@ -114,7 +149,8 @@ unsigned touch_guide(const Meeting& m, LinkLoads& load, TrackSums& sums, Workspa
   const Lanes factor = normal_factor(track.guide, closing);
   load.add(m.center, -factor * force);
   const double arm = 0.1;  // m, of a force aside about the link's long axis
-  add_to(work.stability[0] + m.first, choose(touching, (1.0 / track.mass + arm * arm / track.inertia.x()) * k, zero));
+  add_halves_to(work.stability[0] + m.first,
+                choose(touching, (m.mobility.moving + arm * arm * m.mobility.rolling) * k, zero));
   sums.energy += 0.5 * normal * depth;
   sums.contact_power += elastic * (factor - 1.0) * closing;
   count_case(work, ContactCase::guide_top, touched & bits_of(top));
@@ -125,19 +161,29 @@ unsigned touch_guide(const Meeting& m, LinkLoads& load, TrackSums& sums, Workspa
 
 void push_apart(const Meeting& m, const LinkLoads& load_L, Partner partner, const State& state, BodyLoad& on_pair,
                 Workspace& work) {
-  const LinkLoads load_W{to_world(work, m.first, load_L.force), to_world(work, m.first, load_L.torque)};
-  grouser::push_apart(state, work, m.first, load_W, on_pair, partner);
+  const Lanes3 force = m.frames.to_world(load_L.force), torque = m.frames.to_world(load_L.torque);
+  const auto add = [&](Field& field, const Lanes3& v) {
+    add_halves_to(field[0] + m.first, v.x);
+    add_halves_to(field[1] + m.first, v.y);
+    add_halves_to(field[2] + m.first, v.z);
+  };
+  add(work.force_W, force);
+  add(work.torque_W, torque);
+  add(work.contact_force_W[static_cast<std::size_t>(partner)], force);
+  const Lanes3 from_base = load_twice3(state.position, m.first) - in_all_lanes(state.chassis.position);
+  on_pair.force = on_pair.force - force;
+  on_pair.about_base = on_pair.about_base - (cross(from_base, force) + torque);
 }
 
 /// Both discs against wheel path and edges.
 void meet_path(const Meeting& m, double stiffness, const State& state, BodyLoad& on_pair, TrackSums& sums,
                Workspace& work) {
-  const double outwards = m.track.lateral * m.discs.disc_offset;
+  const double o = m.track.lateral * m.discs.disc_offset;
   LinkLoads load;
-  const unsigned inner = touch_path(m, stiffness, -outwards, load, sums, work);
-  const unsigned outer = touch_path(m, stiffness, outwards, load, sums, work);
-  if ((inner | outer) == 0) return;
+  const unsigned touching = touch_path(m, stiffness, Lanes::Values{-o, -o, -o, -o, o, o, o, o}, load, sums, work);
+  if (touching == 0) return;
   push_apart(m, load, m.discs.partner, state, on_pair, work);
+  const unsigned inner = touching & k_one_disc, outer = touching >> k_window;
   const unsigned edge = bits_of(0.5 * m.track.pitch < m.center.x.abs());
   count_case(work, ContactCase::one_disc_on_plate, (inner ^ outer) & ~edge);
   count_case(work, ContactCase::two_discs_on_plate, inner & outer & ~edge);
@@ -145,33 +191,59 @@ void meet_path(const Meeting& m, double stiffness, const State& state, BodyLoad&
   count_case(work, ContactCase::two_discs_on_edge, inner & outer & edge);
 }
 
+/// The horn stands once between the discs: the lanes of one disc count.
 void meet_guide(const Meeting& m, const State& state, BodyLoad& on_pair, TrackSums& sums, Workspace& work) {
   LinkLoads load;
   const unsigned touched = touch_guide(m, load, sums, work);
-  count_case(work, ContactCase::guide_none, bits_of(m.near) & ~touched);
+  count_case(work, ContactCase::guide_none, bits_of(m.near) & k_one_disc & ~touched);
   if (touched != 0) push_apart(m, load, Partner::guide, state, on_pair, work);
 }
 
+/// Where in the frame of a link the centre of a disc pair stands when the link may touch it.
+struct Reach {
+  double along, up;  ///< |x| and z at most [m]; z >= 0
+  Reach(const CompiledTrack& track, const CompiledDiscs& discs) {
+    constexpr double k_deepest = 0.03;  // m of penetration, for the length of the patch
+    const double patch = std::sqrt(2.0 * discs.radius * k_deepest);
+    along = std::max(track.pitch, 0.5 * track.pitch + patch);
+    up = discs.radius + std::max(track.wheel_path_height + track.guide_height, 0.0);
+  }
+  [[nodiscard]] double distance() const { return std::sqrt(along * along + up * up); }
+};
+
 void track_discs(const CompiledTrack& track, double stiffness_scale, const State& state, Workspace& work) {
-  // A link can touch while its centre is this much farther from the axle than the rim: half a link and the plate's
-  // height.
-  const double height = std::max(track.wheel_path_height + track.guide_height, 0.0);
-  const double reach = std::sqrt(track.pitch * track.pitch + height * height) + 0.02;
+  const Mobility mobility{1.0 / track.mass, 1.0 / track.inertia.y(), 1.0 / track.inertia.x()};
   TrackSums sums;
   for (const CompiledDiscs& discs : track.discs) {
     const auto body = static_cast<std::size_t>(discs.body);
-    const Vector3d from_base = work.chassis.origin_W[body], center_W = state.chassis.position + from_base;
+    const Vector3d& from_base = work.chassis.origin_W[body];  // a copy would be read before it is written
+    const Vector3d center_W = state.chassis.position + from_base;
     const Lanes3 axle_W = in_all_lanes(work.chassis.rotation[body].col(1));
     const Lanes3 spin_W = in_all_lanes(work.chassis.angular_velocity_W[body]);
     const Lanes3 velocity_W = in_all_lanes(work.chassis.velocity_at(discs.body, from_base));
+    const Reach reach(track, discs);
+    const auto near = [&](int first) {
+      const Lanes3 apart = in_all_lanes(center_W) - load3(state.position, first);
+      const Lanes z = dot(load_axis(work, 2, first), apart);
+      return (dot(load_axis(work, 0, first), apart).abs() <= reach.along) & (0.0 <= z) & (z <= reach.up);
+    };
     BodyLoad on_pair;
-    for_links_within(track, state, work, center_W, discs.radius + reach, 0, [&](int first, const LaneMask& near) {
-      const Lanes3 center = to_links(work, first, in_all_lanes(center_W) - load3(state.position, first));
-      const Lanes3 turn = load3(state.angular_velocity, first);
-      const Lanes3 velocity = to_links(work, first, velocity_W - load3(state.velocity, first)) - cross(turn, center);
-      const Meeting meeting{
-          track,   discs, first, near, center, to_links(work, first, axle_W), to_links(work, first, spin_W) - turn,
-          velocity};
+    const std::uint64_t blocks = blocks_near(track, work, center_W, reach.distance());
+    for_windows<k_window>(track, blocks, near, [&](int first, unsigned bits) {
+      const LinkFrames frames(work, first);
+      const Lanes3 center = frames.to_links(in_all_lanes(center_W) - load_twice3(state.position, first));
+      const Lanes3 turn = load_twice3(state.angular_velocity, first);
+      const Lanes3 velocity = frames.to_links(velocity_W - load_twice3(state.velocity, first)) - cross(turn, center);
+      const Meeting meeting{track,
+                            discs,
+                            mobility,
+                            first,
+                            LaneMask::of_bits(bits | bits << k_window),
+                            frames,
+                            center,
+                            frames.to_links(axle_W),
+                            frames.to_links(spin_W) - turn,
+                            velocity};
       meet_path(meeting, stiffness_scale * discs.contact.stiffness, state, on_pair, sums, work);
       if (track.guide_height > 0.0) meet_guide(meeting, state, on_pair, sums, work);
     });

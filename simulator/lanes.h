@@ -74,22 +74,24 @@ class Lanes {
     return each([](double x) { return std::floor(x); });
   }
 #endif
+  /// Lane k plus lane k + 4.
+  using Half [[gnu::vector_size(k_lanes / 2 * sizeof(double))]] = double;
+  [[nodiscard]] Half sum_of_halves() const { return half(0) + half(1); }
   [[nodiscard]] double sum() const {
-    const Half four = halves(0) + halves(1);
+    const Half four = sum_of_halves();
     return (four[0] + four[2]) + (four[1] + four[3]);
   }
   [[nodiscard]] double min_lane() const { return -(-*this).max_lane(); }
   [[nodiscard]] double max_lane() const {
-    const Half a = halves(0), b = halves(1), four = a > b ? a : b;
+    const Half a = half(0), b = half(1), four = a > b ? a : b;
     return std::max(std::max(four[0], four[1]), std::max(four[2], four[3]));
   }
 
  private:
-  using Half [[gnu::vector_size(k_lanes / 2 * sizeof(double))]] = double;
-  [[nodiscard]] Half halves(int which) const {
-    Half half;
-    std::memcpy(&half, reinterpret_cast<const char*>(&values_) + which * sizeof(Half), sizeof(Half));
-    return half;
+  [[nodiscard]] Half half(int which) const {
+    Half four;
+    std::memcpy(&four, reinterpret_cast<const char*>(&values_) + which * sizeof(Half), sizeof(Half));
+    return four;
   }
   template <typename Function>
   [[nodiscard]] Lanes each(Function f) const {
@@ -108,6 +110,21 @@ class Lanes {
 }
 inline void store(double* to, const Lanes& value) { std::memcpy(to, &value.values(), sizeof(Lanes)); }
 inline void add_to(double* to, const Lanes& value) { store(to, load(to) + value); }
+/// Four numbers, in both halves of the lanes: for what four links meet twice.
+[[nodiscard]] inline Lanes load_twice(const double* from) {
+#ifdef __AVX512DQ__
+  return Lanes::Values(_mm512_broadcast_f64x4(_mm256_loadu_pd(from)));
+#else
+  return Lanes::Values{from[0], from[1], from[2], from[3], from[0], from[1], from[2], from[3]};
+#endif
+}
+/// Adds both halves to four numbers.
+inline void add_halves_to(double* to, const Lanes& value) {
+  Lanes::Half four;
+  std::memcpy(&four, to, sizeof(four));
+  four += value.sum_of_halves();
+  std::memcpy(to, &four, sizeof(four));
+}
 
 /// Yes or no for each of eight lanes.
 class LaneMask {
@@ -120,6 +137,8 @@ class LaneMask {
   explicit LaneMask(const Bits& bits) : bits_(bits) {}
   /// Yes for the lanes from 0 to count - 1.
   [[nodiscard]] static LaneMask first(int count);
+  /// Yes for the lanes whose bit is set.
+  [[nodiscard]] static LaneMask of_bits(unsigned bits);
   [[nodiscard]] const Bits& bits() const { return bits_; }
 
  private:
@@ -127,6 +146,7 @@ class LaneMask {
 };
 
 #ifdef __AVX512DQ__
+inline LaneMask LaneMask::of_bits(unsigned bits) { return LaneMask(static_cast<Bits>(bits)); }
 [[nodiscard]] inline LaneMask operator<(const Lanes& a, const Lanes& b) {
   return LaneMask(_mm512_cmp_pd_mask(a.values(), b.values(), _CMP_LT_OQ));
 }
@@ -147,6 +167,10 @@ class LaneMask {
 /// Bit k of the result stands for lane k.
 [[nodiscard]] inline unsigned bits_of(const LaneMask& mask) { return mask.bits(); }
 #else
+inline LaneMask LaneMask::of_bits(unsigned bits) {
+  const Bits of_lane{1, 2, 4, 8, 16, 32, 64, 128};
+  return LaneMask((of_lane & static_cast<std::int64_t>(bits)) == of_lane);
+}
 [[nodiscard]] inline LaneMask operator<(const Lanes& a, const Lanes& b) { return LaneMask(a.values() < b.values()); }
 [[nodiscard]] inline LaneMask operator<=(const Lanes& a, const Lanes& b) { return LaneMask(a.values() <= b.values()); }
 [[nodiscard]] inline LaneMask operator&(const LaneMask& a, const LaneMask& b) { return LaneMask(a.bits() & b.bits()); }

@@ -267,12 +267,17 @@ void sprocket_contacts(const System& system, const AssemblyKnobs& knobs, const S
     const double reach = sprocket.tip_radius + sprocket.pin_radius + 0.5 * track.pitch + 0.05;
     const double outwards = track.lateral * sprocket.ring_offset;
     Sums sums;
-    for_links_within(
-        track, state, work, state.chassis.position + wheel.center_W, reach, 1, [&](int first, const LaneMask& near) {
-          const auto pins = [&](double aside) { return place_pins(wheel, bearers, state, work, first, near, aside); };
-          for (const double ring : {-outwards, outwards}) meet_ring(wheel, pins(ring), state, sums, work);
-          meet_sides(wheel, pins(0.0), state, sums, work);
-        });
+    const Vector3d center = state.chassis.position + wheel.center_W;
+    const auto near = [&](int first) {  // joints whose link ahead is near
+      const Lanes3 apart = load3(state.position, first + 1) - in_all_lanes(center);
+      return dot(apart, apart) <= reach * reach;
+    };
+    for_windows<k_lanes>(track, blocks_near(track, work, center, reach), near, [&](int first, unsigned bits) {
+      const LaneMask counted = LaneMask::of_bits(bits);
+      const auto pins = [&](double aside) { return place_pins(wheel, bearers, state, work, first, counted, aside); };
+      for (const double ring : {-outwards, outwards}) meet_ring(wheel, pins(ring), state, sums, work);
+      meet_sides(wheel, pins(0.0), state, sums, work);
+    });
     close_seam(track, work);
     work.energy.contact += sums.energy.sum();
     work.energy.contact_power += sums.contact_power.sum();
