@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <opencv2/core.hpp>
 #include <opencv2/videoio.hpp>
 #include <system_error>
 
 #include "model/errors.h"
+#include "render/film_encoder.h"
+#include "render/film_store.h"
 #include "render/frame_maker.h"
 #include "render/frame_store.h"
 
@@ -81,59 +84,52 @@ void check_film(const fs::path& file, const FrameTimes& times, const RenderOptio
   if (count != times.count) fail(fmt::format("{} frames of {}", count, times.count));
 }
 
-/// Draws frames into a folder, or reads those that stand there already.
-class FrameSource {
- public:
-  FrameSource(const Runs& runs, const RenderOptions& options, const fs::path& folder)
-      : screen_(runs, options, 1), times_(screen_, options), store_(folder, frames_digest(runs, options)) {}
-  [[nodiscard]] const FrameTimes& times() const { return times_; }
-  [[nodiscard]] FrameStore& store() { return store_; }
-  [[nodiscard]] Image get(int frame) {
-    if (frame < store_.done()) return store_.read(frame);
-    Image image = screen_.at(times_.at(frame));
-    store_.add(image);
-    return image;
-  }
+constexpr int k_stretch = 60;  ///< frames that are encoded together; a stopped film loses fewer
 
- private:
-  SplitScreen screen_;
-  FrameTimes times_;
-  FrameStore store_;
-};
+/// Draws and encodes the frames [first, last); false when stopped. A frame is encoded while the next one is drawn.
+bool film_stretch(SplitScreen& screen, const FrameTimes& times, int first, int last, FilmEncoder& encoder,
+                  const Progress& progress) {
+  std::future<void> encoded;
+  for (int frame = first; frame < last; ++frame) {
+    if (!keep_going(progress, times, frame)) return false;
+    Image image = screen.at(times.at(frame));
+    if (encoded.valid()) encoded.get();
+    encoded = std::async(std::launch::async, [&encoder, drawn = std::move(image)] { encoder.add(drawn); });
+  }
+  encoded.get();
+  encoder.finish();
+  return true;
+}
 
 }  // namespace
 
 int render_frames(const Runs& runs, const fs::path& folder, const RenderOptions& options, const Progress& progress) {
-  FrameSource source(runs, options, folder);
-  const FrameTimes& times = source.times();
-  for (int frame = source.store().done(); frame < times.count; ++frame) {
+  SplitScreen screen(runs, options, 1);
+  const FrameTimes times(screen, options);
+  FrameStore store(folder, frames_digest(runs, options));
+  for (int frame = store.done(); frame < times.count; ++frame) {
     if (!keep_going(progress, times, frame)) return frame;
-    static_cast<void>(source.get(frame));
+    store.add(screen.at(times.at(frame)));
   }
   keep_going(progress, times, times.count);
   return times.count;
 }
 
 int render_film(const Runs& runs, const fs::path& file, const RenderOptions& options, const Progress& progress) {
+  SplitScreen screen(runs, options, 1);
+  const FrameTimes times(screen, options);
   const std::string hidden = "." + file.stem().string();
-  TemporaryFile partial(file.parent_path() / (hidden + ".partial.mp4"));
-  cv::VideoWriter writer;
-  // isColor must be said: without it colour frames are dropped in silence.
-  if (!writer.open(partial.path().string(), cv::CAP_FFMPEG, cv::VideoWriter::fourcc('a', 'v', 'c', '1'), options.fps,
-                   cv::Size(options.width, options.height), true))
-    throw FileError("cannot write " + file.string() + ": no H.264 film can be opened there");
-  const fs::path folder = file.parent_path() / (hidden + ".frames");
-  FrameSource source(runs, options, folder);
-  const FrameTimes& times = source.times();
-  for (int frame = 0; frame < times.count; ++frame) {
-    if (!keep_going(progress, times, frame)) return 0;
-    Image image = source.get(frame);
-    writer.write(cv::Mat(image.height, image.width, CV_8UC3, image.bgr.data()));
+  FilmStore store(file.parent_path() / (hidden + ".stretches"), frames_digest(runs, options));
+  for (int first = store.done() * k_stretch; first < times.count; first += k_stretch) {
+    FilmEncoder encoder(store.next(), options.width, options.height, options.fps);
+    if (!film_stretch(screen, times, first, std::min(first + k_stretch, times.count), encoder, progress)) return 0;
+    store.add();
   }
-  writer.release();
+  TemporaryFile partial(file.parent_path() / (hidden + ".partial.mp4"));
+  join_films(store.stretches(), partial.path());
   check_film(partial.path(), times, options);
   partial.keep_as(file);
-  source.store().remove();
+  store.remove();
   keep_going(progress, times, times.count);
   return times.count;
 }

@@ -65,12 +65,4 @@ void FrameStore::add(const Image& image) {
   write_bytes(mark(), fmt::format("{} {}\n", digest_, done_));
 }
 
-void FrameStore::remove() {
-  std::error_code ignored;
-  for (int frame = 0; frame < done_; ++frame) fs::remove(file_of(frame), ignored);
-  fs::remove(mark(), ignored);
-  fs::remove(folder_, ignored);
-  done_ = 0;
-}
-
 }  // namespace grouser

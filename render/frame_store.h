@@ -18,10 +18,7 @@ class FrameStore {
   FrameStore(std::filesystem::path folder, std::string digest);
 
   [[nodiscard]] int done() const { return done_; }
-  [[nodiscard]] Image read(int frame) const { return read_png(file_of(frame)); }
   void add(const Image& image);
-  /// The frames and the folder, if nothing else stands in it.
-  void remove();
 
  private:
   [[nodiscard]] std::filesystem::path file_of(int frame) const;

@@ -3,8 +3,11 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <opencv2/core.hpp>
+#include <opencv2/videoio.hpp>
 
 #include "model/errors.h"
+#include "model/provenance.h"
 #include "render/pose.h"
 #include "render/render.h"
 #include "tests/support/mock_run.h"
@@ -54,23 +57,59 @@ Progress stop_after(int frames) {
   return [left = frames](const ProgressReport&) mutable { return left-- > 0; };
 }
 
-TEST_F(Film, StoppedIsTakenUpFromTheFramesThatItKept) {
-  const fs::path target = folder_.path() / "films";
+TEST_F(Film, StoppedGoesOnAndEndsAsIfItHadNotBeenStopped) {
+  options_.fps = 140.0;  // a whole stretch of 60 frames, and part of another
+  const fs::path whole = folder_.path() / "whole.mp4";
+  const int count = render_film(run(), whole, options_);
+  ASSERT_GT(count, 65);
+  ASSERT_LT(count, 80);
+  const fs::path target = folder_.path() / "films", kept = target / ".film.stretches";
   fs::create_directories(target);
-  EXPECT_EQ(render_film(run(), target / "film.mp4", options_, stop_after(3)), 0);
+  EXPECT_EQ(render_film(run(), target / "film.mp4", options_, stop_after(63)), 0);
   EXPECT_FALSE(fs::exists(target / "film.mp4"));
-  EXPECT_TRUE(fs::exists(target / ".film.frames" / "frame_000002.png"));
-  const fs::file_time_type kept = fs::last_write_time(target / ".film.frames" / "frame_000002.png");
-  bool seen_kept = false;
+  EXPECT_TRUE(fs::exists(kept / "stretch_0000.mp4"));
+  std::ofstream(kept / "stretch_0001.mp4") << "what a killed program leaves";
+  double from = 1.0;
   EXPECT_EQ(render_film(run(), target / "film.mp4", options_,
-                        [&](const ProgressReport& report) {
-                          const fs::path third = target / ".film.frames" / "frame_000002.png";
-                          if (report.fraction < 1.0) seen_kept = fs::last_write_time(third) == kept;
+                        [&from](const ProgressReport& report) {
+                          from = std::min(from, report.fraction);
                           return true;
                         }),
-            5);
-  EXPECT_TRUE(seen_kept);
+            count);
+  EXPECT_EQ(from, 60.0 / count);
   EXPECT_EQ(std::distance(fs::directory_iterator(target), {}), 1);  // the film, and nothing of how it was made
+  EXPECT_EQ(read_whole(target / "film.mp4"), read_whole(whole));
+}
+
+TEST_F(Film, OfOtherFramesIsBegunAnew) {
+  options_.fps = 140.0;
+  const fs::path file = folder_.path() / "film.mp4";
+  EXPECT_EQ(render_film(run(), file, options_, stop_after(63)), 0);
+  options_.camera = "top";
+  double from = 1.0;
+  render_film(run(), file, options_, [&from](const ProgressReport& report) {
+    from = std::min(from, report.fraction);
+    return true;
+  });
+  EXPECT_EQ(from, 0.0);
+}
+
+TEST_F(Film, ShowsItsFramesTheRightWayUpAndInTheirColours) {
+  options_.width = 320;
+  options_.height = 180;
+  EXPECT_EQ(render_film(run(), folder_.path() / "film.mp4", options_), 5);
+  EXPECT_EQ(render_frames({&opened_}, folder_.path() / "frames", options_), 5);
+  cv::VideoCapture film((folder_.path() / "film.mp4").string(), cv::CAP_FFMPEG);
+  for (int i = 0; i < 5; ++i) {
+    Image frame = read_png(folder_.path() / "frames" / ("frame_00000" + std::to_string(i) + ".png"));
+    const cv::Mat drawn(frame.height, frame.width, CV_8UC3, frame.bgr.data());
+    cv::Mat shown, turned;
+    ASSERT_TRUE(film.read(shown));
+    cv::flip(drawn, turned, 0);
+    const double difference = cv::norm(shown, drawn, cv::NORM_L1) / static_cast<double>(frame.bgr.size());
+    EXPECT_LT(difference, 5.0) << i;  // of 255: OpenCV takes the film's BT.709 for BT.601
+    EXPECT_GT(cv::norm(shown, turned, cv::NORM_L1) / static_cast<double>(frame.bgr.size()), 3.0 * difference) << i;
+  }
 }
 
 TEST_F(Film, FramesAreTakenUpWhereTheyWereLeftUnlessOthersAreAskedFor) {

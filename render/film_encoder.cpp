@@ -1,0 +1,210 @@
+#include "render/film_encoder.h"
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+#include <libavutil/opt.h>
+#include <libswscale/swscale.h>
+}
+
+#include <array>
+#include <cmath>
+
+#include "model/errors.h"
+
+namespace grouser {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// x264: a third of the time of its default preset; at this quality its files are no larger.
+constexpr const char* k_preset = "veryfast";
+constexpr const char* k_quality = "22";  ///< CRF, 18 looks lossless, 23 is the default
+constexpr int k_longest_gap = 250;       ///< frames between key frames
+
+int checked(int code, const fs::path& file) {
+  if (code >= 0) return code;
+  std::array<char, AV_ERROR_MAX_STRING_SIZE> text{};
+  av_strerror(code, text.data(), text.size());
+  throw FileError("cannot write " + file.string() + ": " + text.data());
+}
+
+template <typename T>
+T* made(T* pointer, const fs::path& file, const char* what) {
+  if (pointer == nullptr) throw FileError("cannot write " + file.string() + ": " + what);
+  return pointer;
+}
+
+template <auto release>
+struct Release {
+  template <typename T>
+  void operator()(T* pointer) const {
+    release(&pointer);
+  }
+};
+using Codec = std::unique_ptr<AVCodecContext, Release<avcodec_free_context>>;
+using Frame = std::unique_ptr<AVFrame, Release<av_frame_free>>;
+using Packet = std::unique_ptr<AVPacket, Release<av_packet_free>>;
+using Input = std::unique_ptr<AVFormatContext, Release<avformat_close_input>>;
+
+/// An MP4 file with one stream.
+class Mp4Writer {
+ public:
+  explicit Mp4Writer(const fs::path& file) : file_(file) {
+    checked(avformat_alloc_output_context2(&context_, nullptr, "mp4", file.c_str()), file);
+    context_->flags |= AVFMT_FLAG_BITEXACT;  // no version of the library in the file
+    stream_ = avformat_new_stream(context_, nullptr);
+  }
+  ~Mp4Writer() {
+    if (context_ == nullptr) return;
+    avio_closep(&context_->pb);
+    avformat_free_context(context_);
+  }
+  Mp4Writer(const Mp4Writer&) = delete;
+  Mp4Writer& operator=(const Mp4Writer&) = delete;
+
+  [[nodiscard]] AVStream& stream() { return *made(stream_, file_, "no stream"); }
+  void begin() {
+    checked(avio_open(&context_->pb, file_.c_str(), AVIO_FLAG_WRITE), file_);
+    checked(avformat_write_header(context_, nullptr), file_);
+  }
+  /// Takes the packet's content.
+  void write(AVPacket& packet) { checked(av_interleaved_write_frame(context_, &packet), file_); }
+  void finish() {
+    checked(av_write_trailer(context_), file_);
+    checked(avio_closep(&context_->pb), file_);
+  }
+
+ private:
+  fs::path file_;
+  AVFormatContext* context_ = nullptr;
+  AVStream* stream_ = nullptr;
+};
+
+Codec open_x264(const fs::path& file, int width, int height, double fps) {
+  const AVCodec* x264 = made(avcodec_find_encoder_by_name("libx264"), file, "libavcodec has no libx264");
+  Codec codec(made(avcodec_alloc_context3(x264), file, "no memory"));
+  codec->width = width;
+  codec->height = height;
+  codec->framerate = av_d2q(fps, 100000);
+  codec->time_base = av_inv_q(codec->framerate);
+  codec->pix_fmt = AV_PIX_FMT_YUV420P;
+  codec->color_range = AVCOL_RANGE_MPEG;
+  codec->color_primaries = AVCOL_PRI_BT709;
+  codec->color_trc = AVCOL_TRC_BT709;
+  codec->colorspace = AVCOL_SPC_BT709;
+  codec->gop_size = k_longest_gap;
+  codec->thread_count = 1;                      // the bytes would depend on the number
+  codec->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;  // as avc1 wants it
+  codec->flags |= AV_CODEC_FLAG_CLOSED_GOP;
+  codec->log_level_offset = AV_LOG_INFO;  // what fails is thrown
+  AVDictionary* options = nullptr;
+  av_dict_set(&options, "preset", k_preset, 0);
+  av_dict_set(&options, "crf", k_quality, 0);
+  const int opened = avcodec_open2(codec.get(), x264, &options);
+  av_dict_free(&options);
+  checked(opened, file);
+  return codec;
+}
+
+}  // namespace
+
+struct FilmEncoder::Impl {
+  fs::path file;
+  Codec codec;
+  Mp4Writer out;
+  Frame frame;
+  Packet packet;
+  SwsContext* to_yuv = nullptr;
+  std::int64_t count = 0;
+
+  Impl(const fs::path& path, int width, int height, double fps)
+      : file(path),
+        codec(open_x264(path, width, height, fps)),
+        out(path),
+        frame(made(av_frame_alloc(), path, "no memory")),
+        packet(made(av_packet_alloc(), path, "no memory")) {
+    frame->format = codec->pix_fmt;
+    frame->width = width;
+    frame->height = height;
+    checked(av_frame_get_buffer(frame.get(), 0), file);
+    constexpr int k_exact = SWS_BICUBIC | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INP | SWS_BITEXACT;
+    to_yuv = made(sws_getContext(width, height, AV_PIX_FMT_BGR24, width, height, AV_PIX_FMT_YUV420P, k_exact, nullptr,
+                                 nullptr, nullptr),
+                  file, "no conversion of colours");
+    const int* bt709 = sws_getCoefficients(SWS_CS_ITU709);
+    sws_setColorspaceDetails(to_yuv, bt709, 1, bt709, 0, 0, 1 << 16, 1 << 16);
+    AVStream& stream = out.stream();
+    checked(avcodec_parameters_from_context(stream.codecpar, codec.get()), file);
+    stream.time_base = codec->time_base;
+    stream.avg_frame_rate = codec->framerate;
+    out.begin();
+  }
+  ~Impl() { sws_freeContext(to_yuv); }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  /// Null: no frame follows.
+  void encode(const AVFrame* next) {
+    checked(avcodec_send_frame(codec.get(), next), file);
+    while (true) {
+      const int code = avcodec_receive_packet(codec.get(), packet.get());
+      if (code == AVERROR(EAGAIN) || code == AVERROR_EOF) return;
+      checked(code, file);
+      packet->duration = 1;
+      av_packet_rescale_ts(packet.get(), codec->time_base, out.stream().time_base);
+      out.write(*packet);
+    }
+  }
+};
+
+FilmEncoder::FilmEncoder(const fs::path& file, int width, int height, double fps)
+    : impl_(std::make_unique<Impl>(file, width, height, fps)) {}
+
+FilmEncoder::~FilmEncoder() = default;
+
+void FilmEncoder::add(const Image& image) {
+  AVFrame& frame = *impl_->frame;
+  checked(av_frame_make_writable(&frame), impl_->file);
+  const std::array<const std::uint8_t*, 1> rows{image.bgr.data()};
+  const std::array<int, 1> stride{3 * image.width};
+  sws_scale(impl_->to_yuv, rows.data(), stride.data(), 0, image.height, frame.data, frame.linesize);
+  frame.pts = impl_->count++;
+  impl_->encode(&frame);
+}
+
+void FilmEncoder::finish() {
+  impl_->encode(nullptr);
+  impl_->out.finish();
+}
+
+void join_films(const std::vector<fs::path>& stretches, const fs::path& file) {
+  Mp4Writer out(file);
+  const Packet packet(made(av_packet_alloc(), file, "no memory"));
+  std::int64_t start = 0;  // of a stretch, in the time base of the result
+  for (const fs::path& stretch : stretches) {
+    AVFormatContext* opened = nullptr;
+    checked(avformat_open_input(&opened, stretch.c_str(), nullptr, nullptr), stretch);
+    const Input in(opened);
+    const AVStream& from = *in->streams[0];
+    if (start == 0) {
+      checked(avcodec_parameters_copy(out.stream().codecpar, from.codecpar), file);
+      out.stream().time_base = from.time_base;
+      out.stream().avg_frame_rate = from.avg_frame_rate;
+      out.begin();
+    }
+    std::int64_t end = start;
+    while (av_read_frame(in.get(), packet.get()) >= 0) {
+      av_packet_rescale_ts(packet.get(), from.time_base, out.stream().time_base);
+      packet->pts += start;
+      packet->dts += start;
+      packet->pos = -1;
+      end = std::max(end, packet->pts + packet->duration);
+      out.write(*packet);
+    }
+    start = end;
+  }
+  out.finish();
+}
+
+}  // namespace grouser
