@@ -6,8 +6,9 @@ build_dir=$source_dir/build/release
 
 build_packages=(
   build-essential ca-certificates cmake ninja-build
-  libavcodec-dev libavformat-dev libcli11-dev libceres-dev libeigen3-dev libfmt-dev libfreetype-dev libhdf5-dev libkainjow-mustache-dev libopencv-dev
-  libosmesa6-dev libssl-dev libswscale-dev nlohmann-json3-dev zlib1g-dev fonts-dejavu-core
+  libavcodec-dev libavformat-dev libcli11-dev libceres-dev libeigen3-dev libfmt-dev libfreetype-dev libhdf5-dev
+  libkainjow-mustache-dev libopencv-dev libosmesa6-dev libssl-dev libswscale-dev nlohmann-json3-dev zlib1g-dev
+  fonts-dejavu-core
 )
 test_packages=(
   chromium libbenchmark-dev libgmock-dev libgtest-dev libsimbody-dev python3 python3-h5py python3-jsonschema

@@ -123,22 +123,25 @@ Camera make_camera(const std::string& name, const Subject& subject, float aspect
                               body.at(w.x() + 0.1f, w.y(), w.z() - 0.02f), 33.0f);
   }
   if (name == "top") {  // the front points to the right
-    // Room for a gun ahead, and for the legends' corner behind.
-    const float height = std::max((length + 6.2f) / aspect, 2.0f * subject.half_width + 1.6f);
-    Camera camera = parallel_camera(body.at(middle, 0.0f, 30.0f), body.at(middle, 0.0f, 0.0f), height);
+    // Room for the legends' corner behind.
+    const float center = 0.5f * (subject.nose + subject.tail), around = subject.nose - subject.tail + 3.4f;
+    const float height = std::max(around / aspect, 2.0f * subject.half_width + 1.6f);
+    Camera camera = parallel_camera(body.at(center, 0.0f, 30.0f), body.at(center, 0.0f, 0.0f), height);
     camera.up = body.turn * Vector3f::UnitY();
     return camera;
   }
   if (name == "orbit") {
     const double angle = subject.start_heading - 0.9 + 2.0 * k_pi * subject.pose.time / k_orbit_period;
     const Follower round(subject, angle);
-    return perspective_camera(round.at(1.62f * length, 0.0f, 0.5f * length), round.origin + Vector3f(0, 0, 0.9f),
-                              36.0f);
+    const float reach = std::max(subject.nose, -subject.tail);  // so that what turns past the eye stays in the picture
+    return perspective_camera(round.at(1.0f * length + 1.1f * reach, 0.0f, 0.58f * length),
+                              round.origin + Vector3f(0, 0, 1.0f), 36.0f);
   }
   if (name == "side") {
-    const float height = (length + 1.7f) / aspect;  // running gear with its track, and a margin
-    const float outside = -(subject.half_width + 0.03f), center = 0.27f * height;
-    return parallel_camera(body.at(middle, outside - 20.0f, center), body.at(middle, outside, center), height);
+    const float height = (subject.nose - subject.tail + 0.9f) / aspect;  // all of it, and a margin
+    const float outside = -(subject.half_width + 0.03f), up = 0.27f * height;
+    const float center = 0.5f * (subject.nose + subject.tail);
+    return parallel_camera(body.at(center, outside - 20.0f, up), body.at(center, outside, up), height);
   }
   std::string known;
   for (const std::string& each : camera_names()) known += (known.empty() ? "" : ", ") + each;

@@ -46,6 +46,7 @@ struct Subject {
   Vector3f wheel = Vector3f::Zero();     ///< centre of the right road wheel in the middle, in V
   float front = 3.5f, rear = -3.5f;      ///< m, ends of the running gear in V
   float half_width = 1.7f;               ///< m, outside of the tracks
+  float nose = 3.5f, tail = -3.5f;       ///< m, ends of all that is drawn, a gun too, in V
   float ground = 0.0f;                   ///< m, height of the plane under the vehicle
 };
 

@@ -56,6 +56,10 @@ VehicleModel::VehicleModel(const Vehicle& vehicle, const std::vector<ProbeLink>&
     return add(make, make(Detail{Detail::k_coarse}));
   };
   chassis_mesh_ = add([&](const Detail& detail) { return chassis_mesh(vehicle, detail); });
+  for (const Vertex& vertex : meshes_->back().shape.vertices) {
+    nose_ = std::max(nose_, vertex.position.x());
+    tail_ = std::min(tail_, vertex.position.x());
+  }
   for (std::size_t s = 0; s < k_num_sides; ++s) {
     const RunningGear& gear = vehicle.sides[s];
     const double inboard = gear.track_center_y > 0.0 ? -1.0 : 1.0;
@@ -148,6 +152,8 @@ Subject VehicleModel::subject(const VehiclePose& pose, double start_heading) con
   const double wrap = gear.track.wheel_path_height + gear.track.ground_depth;
   subject.front = static_cast<float>(std::max(a.x(), b.x()) + gear.idler.wheel.radius + wrap);
   subject.rear = static_cast<float>(std::min(a.x(), b.x()) - gear.idler.wheel.radius - wrap);
+  subject.nose = std::max(nose_, subject.front);
+  subject.tail = std::min(tail_, subject.rear);
   subject.half_width = static_cast<float>(std::abs(gear.track_center_y) + 0.5 * gear.track.shoe_width);
   return subject;
 }

@@ -71,6 +71,7 @@ class VehicleModel {
   std::vector<ProbeLink> probes_;
   std::shared_ptr<std::vector<SceneMesh>> meshes_;
   std::size_t chassis_mesh_ = 0;
+  float nose_ = 0.0f, tail_ = 0.0f;  ///< m, ends of the chassis in V
   std::array<SideMeshes, k_num_sides> side_meshes_;
 };
 

@@ -46,10 +46,12 @@ TEST(Camera, SideShowsTheWholeTrackFrontToTheRight) {
   const Subject subject = model.subject(design_pose(vehicle), 0.0);
   const Camera camera = make_camera("side", subject, 16.0f / 9.0f);
   const Vector3f front = seen(camera, {subject.front, -1.4f, 0.7f}), rear = seen(camera, {subject.rear, -1.4f, 0.7f});
-  EXPECT_GT(front.x(), 0.5f);
-  EXPECT_LT(front.x(), 1.0f);
-  EXPECT_LT(rear.x(), -0.5f);
-  EXPECT_GT(rear.x(), -1.0f);
+  const float nose = seen(camera, {subject.nose, 0.0f, 2.0f}).x(), tail = seen(camera, {subject.tail, 0.0f, 1.5f}).x();
+  EXPECT_GT(front.x() - rear.x(), 1.2f);  // of 2
+  EXPECT_GT(nose, front.x() + 0.2f);      // a gun, which is in the picture too
+  EXPECT_LT(nose, 0.97f);
+  EXPECT_LE(tail, rear.x());
+  EXPECT_GT(tail, -0.97f);
 }
 
 TEST(Camera, ChaseShowsATurnAsATurn) {

@@ -39,7 +39,8 @@ TEST_P(Golden, LooksAsItDid) {
   EXPECT_LT(outliers, k_share_of_outliers * static_cast<double>(image.bgr.size()));
 }
 
-INSTANTIATE_TEST_SUITE_P(Cameras, Golden, testing::Values("chase", "side", "sprocket", "road_wheel", "top"),
+INSTANTIATE_TEST_SUITE_P(Cameras, Golden,
+                         testing::Values("chase", "side", "front", "sprocket", "road_wheel", "top", "orbit"),
                          [](const auto& camera) { return std::string(camera.param); });
 
 }  // namespace
