@@ -88,6 +88,41 @@ std::string path_through(std::span<const Vector2f> points) {
   return path;
 }
 
+/// Without the points that a straight line misses by less than a twentieth of a pixel: from each point kept, the line
+/// goes on as long as one direction meets all points on the way.
+std::vector<Vector2f> without_straight(std::span<const Vector2f> points) {
+  constexpr float k_tolerance = 0.05f;
+  std::vector<Vector2f> kept{points.front()};
+  float low = 0.0f, high = 0.0f, reached = 0.0f;  // of the angle against the first step; of the way
+  Vector2f first = Vector2f::Zero();
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const auto start = [&] {
+      first = points[i] - kept.back();
+      reached = first.norm();
+      high = reached > k_tolerance ? std::asin(k_tolerance / reached) : 1.5f;
+      low = -high;
+    };
+    if (i == 1) {
+      start();
+      continue;
+    }
+    const Vector2f way = points[i] - kept.back();
+    const float length = way.norm();
+    const float angle = std::atan2(first.x() * way.y() - first.y() * way.x(), first.dot(way));
+    const float reach = length > k_tolerance ? std::asin(k_tolerance / length) : 1.5f;
+    if (angle < low || angle > high || length < reached) {
+      kept.push_back(points[i - 1]);
+      start();
+      continue;
+    }
+    low = std::max(low, angle - reach);
+    high = std::min(high, angle + reach);
+    reached = length;
+  }
+  if (points.size() > 1) kept.push_back(points.back());
+  return kept;
+}
+
 std::string opacity(const char* of, const Color& color) {
   return color.alpha < 1.0f ? fmt::format(" {}-opacity=\"{:.2f}\"", of, color.alpha) : "";
 }
@@ -127,7 +162,7 @@ void SvgCanvas::line(std::span<const Vector2f> points, float width, const Color&
                                                               pixels(dash.period - dash.drawn))
                                                 : "";
   body_ += fmt::format("<path class=\"l\" stroke=\"{}\"{} stroke-width=\"{}\"{} d=\"{}\"/>", paint(color.rgb),
-                       opacity("stroke", color), pixels(width), dashes, path_through(points));
+                       opacity("stroke", color), pixels(width), dashes, path_through(without_straight(points)));
 }
 
 /// Each dot is a line of no length with round ends.

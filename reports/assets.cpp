@@ -4,6 +4,8 @@
 #include <kainjow/mustache.hpp>
 #include <stdexcept>
 
+#include "reports/twin.h"
+
 #define GROUSER_ASSET(symbol) extern "C" const char symbol##_begin[], symbol##_end[]
 GROUSER_ASSET(asset_report_mustache);
 GROUSER_ASSET(asset_run_mustache);
@@ -67,7 +69,8 @@ data to_mustache(const nlohmann::json& value) {
   switch (value.type()) {
     case nlohmann::json::value_t::object: {
       data object{data::type::object};
-      for (const auto& [key, item] : value.items()) object.set(key, to_mustache(item));
+      for (const auto& [key, item] : value.items())
+        if (key != k_data_key) object.set(key, to_mustache(item));
       return object;
     }
     case nlohmann::json::value_t::array: {

@@ -23,7 +23,7 @@ constexpr std::array<Entry, 20> k_catalogue{{
     {"contact_forces", "contact forces on one link, by partner (Fig. 6)", figure_contact_forces},
     {"contact_forces_zoom", "the same over one lap at steady speed", figure_contact_forces_zoom},
     {"tension_map", "tension of every link over time, as colours", figure_tension_map},
-    {"tension_histogram", "how often which tension, all bushings of a track", figure_tension_histogram},
+    {"tension_histogram", "distribution of the tension over all bushings of a track", figure_tension_histogram},
     {"bushing_loops", "load over deflection of one bushing during a lap", figure_bushing_loops},
     {"sprocket_torque", "drive torque of the sprockets", figure_sprocket_torque},
     {"torque_spectrum", "spectrum of the drive torque, link-passing frequency marked", figure_torque_spectrum},
@@ -34,7 +34,7 @@ constexpr std::array<Entry, 20> k_catalogue{{
     {"energy", "work, stored and dissipated energy, losses by cause", figure_energy},
     {"energy_residual", "what the energy book leaves unexplained", figure_energy_residual},
     {"step_limits", "share of the steps by what bounded them", figure_step_limits},
-    {"step_histogram", "how often which step size", figure_step_histogram},
+    {"step_histogram", "distribution of the step size", figure_step_histogram},
 }};
 
 }  // namespace

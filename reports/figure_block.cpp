@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <set>
 #include <span>
 
+#include "render/heat_map.h"
 #include "reports/assets.h"
 #include "reports/encode.h"
 #include "reports/number_text.h"
@@ -21,10 +23,9 @@ constexpr std::size_t k_max_chart_rows =
     8000;  // of one curve set: about ten points a pixel column, so that a zoom still shows peaks
 
 /// Without its title: the page has it as a heading.
-std::string encoded_picture(Figure figure, Theme theme) {
+std::string untitled_svg(Figure figure, const std::string& label) {
   figure.title.clear();
-  const std::vector<std::uint8_t> bytes = encode_webp(draw(figure, theme));
-  return base64({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  return draw_svg(figure, label);
 }
 
 const char* style_name(SeriesStyle style) {
@@ -60,33 +61,92 @@ std::vector<CurveSet> curve_sets(const Panel& panel) {
   return sets;
 }
 
-/// Describes a panel for the page's script and appends its decimated numbers to `values`.
-json chart_panel(const Panel& panel, bool over_time, std::vector<float>& values) {
+std::string css_color(const Rgb& rgb) {
+  return fmt::format("rgb({:.0f},{:.0f},{:.0f})", 255.0f * rgb[0], 255.0f * rgb[1], 255.0f * rgb[2]);
+}
+
+/// Five digits: more than a picture shows, and no round-off to tell two equal pages apart.
+double five_digits(double value) {
+  std::array<char, 32> text{};
+  const auto end = fmt::format_to_n(text.data(), text.size() - 1, "{:.5g}", value).out;
+  std::from_chars(text.data(), end, value);
+  return value;
+}
+json numbers(std::span<const double> values) {
+  json list = json::array();
+  for (const double value : values) {
+    if (std::isfinite(value))
+      list.emplace_back(five_digits(value));
+    else
+      list.push_back(nullptr);
+  }
+  return list;
+}
+
+/// The numbers of a chart twice: packed for the page, and in words and digits for the twin.
+struct ChartNumbers {
+  std::vector<float> packed;
+  json data = json::array();  ///< by panel
+
+  json add(const std::vector<double>& values, std::span<const std::size_t> rows) {
+    std::vector<double> kept;
+    for (const std::size_t row : rows) kept.push_back(values[row]);
+    for (const double value : kept) packed.push_back(static_cast<float>(value));
+    return numbers(kept);
+  }
+};
+
+/// The cells go row by row, the lowest first.
+json chart_map(const HeatMap& map, ChartNumbers& to) {
+  json colors = json::array();
+  for (const Rgb& rgb : map_colors()) colors.push_back(css_color(rgb));
+  json cells = json::array();
+  for (std::size_t row = 0; row < map.rows; ++row)
+    cells.push_back(numbers({map.values.data() + row * map.columns, map.columns}));
+  for (const double value : map.values) to.packed.push_back(static_cast<float>(value));
+  json chart{{"columns", map.columns},
+             {"rows", map.rows},
+             {"colors", colors},
+             {"label", map.label},
+             {"x_span", numbers(map.x_span)},
+             {"y_span", numbers(map.y_span)}};
+  chart["range"] = numbers(map.color_range());
+  json& data = to.data.back()["map"] = chart;
+  for (const char* own : {"columns", "rows", "colors"}) data.erase(own);
+  data["cells"] = std::move(cells);
+  return chart;
+}
+
+/// Describes a panel for the page's script and adds its decimated numbers.
+json chart_panel(const Panel& panel, bool over_time, ChartNumbers& to) {
   json chart{{"title", panel.title}, {"x_label", panel.x_label}, {"y_label", panel.y_label},
              {"log_x", panel.log_x}, {"log_y", panel.log_y},     {"over_time", over_time}};
   if (panel.y_range) chart["y_range"] = *panel.y_range;
   if (panel.x_range) chart["x_range"] = *panel.x_range;
+  to.data.push_back({{"title", panel.title}, {"x_label", panel.x_label}, {"y_label", panel.y_label}});
   chart["marks"] = json::array();
   for (const Mark& mark : panel.marks)
     chart["marks"].push_back({{"at", mark.at}, {"vertical", mark.vertical}, {"label", mark.label}});
+  to.data.back()["marks"] = chart["marks"];
   chart["series"] = json::array();
   for (const Series& series : panel.series) {
     json entry{{"name", series.name}, {"style", style_name(series.style)}, {"width", series.width}};
-    if (series.color)
-      entry["color"] = fmt::format("rgb({:.0f},{:.0f},{:.0f})", 255.0f * (*series.color)[0],
-                                   255.0f * (*series.color)[1], 255.0f * (*series.color)[2]);
+    if (series.color) entry["color"] = css_color(*series.color);
     if (series.hue) entry["hue"] = *series.hue;
     chart["series"].push_back(entry);
   }
+  if (panel.map) chart["map"] = chart_map(*panel.map, to);
   chart["tables"] = json::array();
+  json& tables = to.data.back()["tables"] = json::array();
   for (const CurveSet& set : curve_sets(panel)) {
     std::vector<const std::vector<double>*> curves;
     for (const std::size_t i : set.series) curves.push_back(&panel.series[i].y);
     const std::vector<std::size_t> rows = peak_preserving_rows(curves, k_max_chart_rows);
     chart["tables"].push_back({{"rows", rows.size()}, {"series", set.series}});
-    for (const std::size_t row : rows) values.push_back(static_cast<float>((*set.x)[row]));
-    for (const std::vector<double>* curve : curves)
-      for (const std::size_t row : rows) values.push_back(static_cast<float>((*curve)[row]));
+    json table{{"x", to.add(*set.x, rows)}, {"series", json::array()}};
+    for (const std::size_t i : set.series)
+      table["series"].push_back({{"name", panel.series[i].name}, {"y", to.add(panel.series[i].y, rows)}});
+    tables.push_back(std::move(table));
   }
   return chart;
 }
@@ -100,7 +160,7 @@ const char* look_of(SeriesStyle style) {
 
 std::string page_color(const std::optional<Rgb>& color, int entry) {
   if (!color) return fmt::format("var(--s{})", entry % 8 + 1);
-  return fmt::format("rgb({:.0f},{:.0f},{:.0f})", 255.0f * (*color)[0], 255.0f * (*color)[1], 255.0f * (*color)[2]);
+  return css_color(*color);
 }
 
 /// Every name of the panels once, in order of appearance.
@@ -133,14 +193,6 @@ bool share_legend(const Figure& figure) {
   return legend_facts(figure.panels).size() <= std::max<std::size_t>(largest, 1);
 }
 
-/// Five digits: more than a picture shows, and no round-off to tell two equal pages apart.
-json numbers(const std::vector<double>& values) {
-  json list = json::array();
-  for (const double value : values)
-    list.push_back(std::isfinite(value) ? json::parse(fmt::format("{:.5g}", value)) : json());
-  return list;
-}
-
 /// The plotted numbers, for the twin.
 json panel_data(const Panel& panel) {
   json data{{"title", panel.title},    {"x_label", panel.x_label}, {"y_label", panel.y_label},
@@ -150,7 +202,8 @@ json panel_data(const Panel& panel) {
   for (const Band& band : panel.bands)
     data["bands"].push_back(
         {{"name", band.name}, {"x", numbers(band.x)}, {"low", numbers(band.low)}, {"high", numbers(band.high)}});
-  for (const Mark& mark : panel.marks) data["marks"].push_back({{"label", mark.label}, {"at", numbers({mark.at})[0]}});
+  for (const Mark& mark : panel.marks)
+    data["marks"].push_back({{"label", mark.label}, {"at", numbers({&mark.at, 1})[0]}});
   return data;
 }
 
@@ -174,7 +227,7 @@ json tile_facts(const Figure& figure) {
   for (const Panel& panel : figure.panels) {
     Figure alone{.name = "", .title = figure.title, .caption = "", .panels = {panel}};
     tiles.push_back({{"title", panel.title},
-                     {"data", panel_data(panel)},
+                     {k_data_key, panel_data(panel)},
                      {"note", ""},
                      {"legend", shared ? json::array() : legend_facts({&panel, 1})},
                      {"payload_svg", draw_svg(tile_figure(figure, panel, width, height), text_alternative(alone))}});
@@ -184,23 +237,10 @@ json tile_facts(const Figure& figure) {
 
 }  // namespace
 
-json without_payloads(const json& value) {
-  if (value.is_array()) {
-    json kept = json::array();
-    for (const json& item : value) kept.push_back(without_payloads(item));
-    return kept;
-  }
-  if (!value.is_object()) return value;
-  json kept = json::object();
-  for (const auto& [key, item] : value.items())
-    if (!key.starts_with(k_payload_prefix)) kept[key] = without_payloads(item);
-  return kept;
-}
-
 bool chartable(const Figure& figure) {
   if (figure.columns > 1) return false;  // small multiples are read as a whole
   for (const Panel& panel : figure.panels) {
-    if (!panel.bands.empty()) return false;
+    if (!panel.bands.empty() || (panel.series.empty() && !panel.map)) return false;
     for (const Series& series : panel.series)
       if (series.x.size() < 2 || !std::ranges::is_sorted(series.x)) return false;
   }
@@ -250,6 +290,11 @@ std::string text_alternative(const Figure& figure) {
       const std::string name = series.name.empty() ? "" : series.name + " ";
       text += fmt::format("{}{}from {} to {}", i == 0 ? " " : ", ", name, number_text(low, 3), number_text(high, 3));
     }
+    if (panel.map) {
+      const std::array<double, 2> range = panel.map->color_range();
+      text += fmt::format(" {} as colour, from {} to {}", panel.map->label, number_text(range[0], 3),
+                          number_text(range[1], 3));
+    }
     text += ".";
   }
   return text;
@@ -272,23 +317,19 @@ json figure_block(const Figure& figure, const std::string& id) {
     block["legend"] = share_legend(figure) ? legend_facts(figure.panels) : json::array();
     return block;
   }
-  block["width"] = figure.width;
-  block["height"] = figure.height;
-  block["payload_light"] = encoded_picture(figure, Theme::light);
-  if (!interactive) {
-    block["payload_dark"] = encoded_picture(figure, Theme::dark);
-    return block;
-  }
-  std::vector<float> values;
+  block["payload_svg"] = untitled_svg(figure, block["alt"]);
+  ChartNumbers all;
   json chart{{"id", id}, {"panels", json::array()}};
   const bool partial = figure.name.ends_with("_zoom");
   for (const Panel& panel : figure.panels) {
     // Stacked panels name the shared axis on the last one only.
     const bool over_time = figure.panels.back().x_label.starts_with("Time") && !partial;
-    chart["panels"].push_back(chart_panel(panel, over_time, values));
+    chart["panels"].push_back(chart_panel(panel, over_time, all));
   }
+  block[k_data_key] = std::move(all.data);
+  if (!interactive) return block;
   block["payload_chart"] = script_json(chart);
-  block["payload_values"] = packed(std::span<const float>(values));
+  block["payload_values"] = packed(std::span<const float>(all.packed));
   return block;
 }
 

@@ -3,17 +3,13 @@
 #include <string>
 
 #include "render/figure.h"
+#include "reports/twin.h"
 
 /// A figure as a block of a page: caption and text alternative, drawn pictures, and the data of its interactive chart.
 namespace grouser {
 
-/// Keys that start so hold what only the page needs (base64); the machine-readable twin of a page leaves them out.
-inline constexpr const char* k_payload_prefix = "payload_";
-/// The value without such keys, at every depth.
-[[nodiscard]] nlohmann::json without_payloads(const nlohmann::json& value);
-
 /// True when the panels stand one under the other and every series runs forward in x, so that charts over x can show
-/// them.
+/// them. A map can be one.
 [[nodiscard]] bool chartable(const Figure& figure);
 
 /// Indices of the rows that show a set of curves on `max_rows` rows: the lowest and the highest sample of every curve
@@ -24,10 +20,10 @@ inline constexpr const char* k_payload_prefix = "payload_";
 /// One sentence for those who cannot see the picture: what is plotted over what, and the range of each curve.
 [[nodiscard]] std::string text_alternative(const Figure& figure);
 
-/// The block: {id, name, title, caption, alt, chart, drawn, tiled, ...}. `id` is unique on the page. A figure that
-/// cannot be a chart becomes small multiples: tiles[] of {title, note, data, payload_svg}, whose `note` the caller may
-/// fill with a line to stand under the tile, and a legend[] for all of them, or one each where their colours mean
-/// different things.
+/// The block: {id, name, title, caption, alt, chart, drawn, tiled, data, payload_svg, ...}. `id` is unique on the page.
+/// `data` holds the numbers that the page shows. A figure that cannot be a chart becomes small multiples: tiles[] of
+/// {title, note, data, payload_svg}, whose `note` the caller may fill with a line to stand under the tile, and a
+/// legend[] for all of them, or one each where their colours mean different things.
 [[nodiscard]] nlohmann::json figure_block(const Figure& figure, const std::string& id);
 
 }  // namespace grouser

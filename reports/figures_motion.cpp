@@ -125,7 +125,8 @@ Figure figure_path(const RunFolder& run) {
   }
   panel.y_range = {{0.5 * (low + high) - half, 0.5 * (low + high) + half}};
   figure.panels = {std::move(panel)};
-  figure.height = 320;
+  figure.width = 560;
+  figure.height = 290;
   return figure;
 }
 

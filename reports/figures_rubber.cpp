@@ -104,8 +104,8 @@ Figure figure_tension_histogram(const RunFolder& run) {
     panel.series = {histogram(panel.title, all[static_cast<std::size_t>(index_of(side))], low, high, 80)};
     panels.push_back(std::move(panel));
   }
-  return stacked_figure("tension_histogram", "How often which tension",
-                        "Distribution of the longitudinal force over all bushings of a track and all samples of the "
+  return stacked_figure("tension_histogram", "Distribution of the tension",
+                        "Longitudinal force over all bushings of a track and all samples of the "
                         "run, on a logarithmic scale: rare peaks are what tears rubber.",
                         std::move(panels), 140);
 }
@@ -149,8 +149,8 @@ Figure figure_bushing_loops(const RunFolder& run) {
     figure.panels.push_back(std::move(panel));
   }
   figure.columns = 3;
-  figure.width = 1080;
-  figure.height = 320;
+  figure.width = 930;
+  figure.height = 300;
   return figure;
 }
 

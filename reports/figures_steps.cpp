@@ -90,8 +90,8 @@ Figure figure_step_histogram(const RunFolder& run) {
   panel.y_label = "Share of steps [%]";
   panel.x_range = {{0.0, high}};
   panel.series.push_back(histogram(panel.title, size, 0.0, high, 80));
-  return stacked_figure("step_histogram", "How often which step",
-                        "Distribution of the accepted steps over the whole run.", {std::move(panel)}, 200);
+  return stacked_figure("step_histogram", "Distribution of the step size",
+                        "The accepted steps of the whole run by their size.", {std::move(panel)}, 200);
 }
 
 }  // namespace grouser

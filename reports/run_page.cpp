@@ -26,26 +26,33 @@ struct Section {
   const char* lead;
   std::array<const char*, 4> figures;
 };
-constexpr std::array<Section, 6> k_sections{{
+constexpr std::array<Section, 7> k_sections{{
     {"drive",
-     "Drive and motion",
+     "Drive, speed and path",
      "What the run asked of the vehicle and what the vehicle did.",
-     {"speed", "path", "yaw_rate", nullptr}},
+     {"speed", "path", "yaw_rate", "sprocket_torque"}},
+    {"paper",
+     "Step size, tension and contacts",
+     "Figures 4, 5 and 6 of the paper, of this run.",
+     {"step_size", "tension", "contact_forces", "contact_forces_zoom"}},
     {"track",
-     "Track tension",
+     "Tension of all links",
      "The bushings carry the pull of the track from link to link.",
-     {"tension", "sprocket_torque", "torque_spectrum", nullptr}},
-    {"contacts",
-     "Contact forces on one link",
-     "A link meets every part of the running gear once a lap.",
-     {"contact_forces", "contact_forces_zoom", nullptr, nullptr}},
+     {"tension_map", "tension_histogram", "bushing_loops", nullptr}},
+    {"spectra",
+     "Spectra",
+     "Links meet the sprocket one by one, and torque and tension answer at that frequency.",
+     {"torque_spectrum", "tension_spectrum", nullptr, nullptr}},
+    {"wheels",
+     "Wheel loads and travel",
+     "What each wheel carries, and how far it moves.",
+     {"wheel_loads", "wheel_travel", nullptr, nullptr}},
     {"integration",
-     "Integration",
-     "How the explicit integrator paced itself.",
-     {"step_size", "step_limits", nullptr, nullptr}},
-    {"suspension", "Suspension", "", {"suspension", nullptr, nullptr, nullptr}},
+     "Limits of the step",
+     "What bounded the explicit integrator, and how often.",
+     {"step_limits", "step_histogram", nullptr, nullptr}},
     {"energy",
-     "Energy balance",
+     "Energy book",
      "Every joule that the sprockets put in is looked for again.",
      {"energy", "energy_residual", nullptr, nullptr}},
 }};
@@ -178,18 +185,42 @@ json film_facts(const RunFolder& run) {
           {"caption", "The run as rendered headless, frame by frame. Every tenth link is amber, probe links are red."}};
 }
 
-/// The vehicle at steady speed, for paper, where nothing moves.
-json still_facts(const RunFolder& run) {
-  if (!run.channels.has("/chassis/position")) return false;
-  const std::optional<TimeWindow> steady = steady_window(run);
-  const double time = steady ? steady->end : 0.5 * run.summary.simulated_time;
+/// The vehicle as a picture {payload_still, alt, caption}.
+json still_of(const RunFolder& run, double time) {
   RenderOptions options;
   options.width = 1120;
   options.height = 630;
   const std::vector<std::uint8_t> picture = encode_webp(render_still(run, time, options), k_photograph_quality);
+  const std::string at = quantity_text(time, "s", 3);
   return {{"payload_still", base64({reinterpret_cast<const char*>(picture.data()), picture.size()})},
-          {"alt", "The vehicle on the ground"},
-          {"caption", fmt::format("The vehicle at {}.", quantity_text(time, "s", 3))}};
+          {"alt", fmt::format("{} in {} at {}", run.summary.vehicle_name, run.summary.name, at)},
+          {"caption", fmt::format("The vehicle at {}.", at)}};
+}
+
+/// At the end of the steady drive, else halfway.
+json still_facts(const RunFolder& run) {
+  if (!run.channels.has("/chassis/position")) return false;
+  const std::optional<TimeWindow> steady = steady_window(run);
+  return still_of(run, steady ? steady->end : 0.5 * run.summary.simulated_time);
+}
+
+/// Where neither the player nor a film can show the motion, its begin and its end beside the still.
+json more_stills(const RunFolder& run) { return {still_of(run, 0.0), still_of(run, run.summary.simulated_time)}; }
+
+/// What makes this result again from its inputs, typed where the run was: its folder is the one that it was asked for.
+std::vector<std::string> repeating_commands(const RunFolder& run, bool filmed) {
+  const std::string& command = run.summary.provenance.command;
+  constexpr std::string_view k_output = " -o ";
+  const std::size_t output = command.find(k_output);
+  const std::string folder =
+      output == std::string::npos
+          ? run.path.filename().string()
+          : command.substr(output + k_output.size(),
+                           command.find(' ', output + k_output.size()) - output - k_output.size());
+  std::vector<std::string> commands{command};
+  if (filmed) commands.push_back(fmt::format("grouser render {} --film {}/film.mp4", folder, folder));
+  commands.push_back(fmt::format("grouser report {} -o {}/report.html", folder, folder));
+  return commands;
 }
 
 /// Notes on generated data from the run and its bushing, each once.
@@ -252,16 +283,15 @@ json run_facts(const RunFolder& run, const std::string& id, int level) {
   facts["film"] = film_facts(run);
   facts["motion"] = facts["playback"].is_object() || facts["film"].is_object();
   facts["still"] = still_facts(run);
+  facts["stills"] = facts["playback"].is_object() && !facts["film"].is_object() ? more_stills(run) : json::array();
+  facts["has_stills"] = !facts["stills"].empty();
   facts["sections"] = section_facts(run, id);
   facts["tables"] = table_facts(summary);
   facts["results"] = result_rows(summary);
   facts["has_results"] = !facts["results"].empty();
   facts["contacts"] = contact_facts(summary);
   facts["has_contacts"] = !facts["contacts"].empty();
-  const std::string folder = run.path.filename().string();
-  facts["provenance"] = provenance_facts(
-      summary.provenance,
-      {summary.provenance.command, fmt::format("grouser report {} -o {}/report.html", folder, folder)});
+  facts["provenance"] = provenance_facts(summary.provenance, repeating_commands(run, facts["film"].is_object()));
   return facts;
 }
 

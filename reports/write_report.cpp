@@ -14,6 +14,7 @@
 #include "reports/figure_block.h"
 #include "reports/pages.h"
 #include "reports/report.h"
+#include "reports/twin.h"
 
 namespace grouser {
 namespace {
@@ -116,10 +117,10 @@ json contents(const json& page) {
   for (const json& run : page["runs"]) {
     const std::string id = run["id"];
     if (run["has_checks"]) add(id + "-checks", "Checks");
-    if (run["motion"]) add(id + "-motion", "Motion");
     for (const json& section : run["sections"]) add(section["key"], section["title"]);
+    if (run["motion"]) add(id + "-motion", "Motion");
     add(id + "-numbers", "Numbers");
-    add(id + "-provenance", "Provenance");
+    add(id + "-provenance", "How to repeat it");
   }
   for (const char* kind : {"fits", "rigs"})
     for (const json& part : page[kind]) {
@@ -277,7 +278,7 @@ std::vector<ChannelVerdict> write_report(const std::vector<std::filesystem::path
   const std::string html = render_page("report", page);
   std::filesystem::path twin = html_file;
   twin.replace_extension(".json");
-  write_whole(twin, without_payloads(page).dump(1) + "\n");
+  write_whole(twin, twin_text(page));
   write_whole(html_file, html);
   return verdicts;
 }

@@ -20,11 +20,20 @@ function followContents() {
   mark();
 }
 
+// A film that has not begun shows the run's still, which stands in the page already.
+function posters() {
+  for (const film of document.querySelectorAll(".film video")) {
+    const still = film.closest(".part").querySelector(".hero img");
+    if (still) film.poster = still.src;
+  }
+}
+
 addEventListener("beforeprint", () => document.querySelectorAll("details").forEach(d => { d.open = true; }));
 
 addEventListener("DOMContentLoaded", async () => {
   const state = { charts: 0, players: 0, errors: [] };
   followContents();
+  posters();
   try {
     for (const element of document.querySelectorAll(".player")) if (await startPlayer(element)) ++state.players;
     if (typeof grouserCharts !== "undefined") state.charts = await grouserCharts.start();

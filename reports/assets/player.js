@@ -1,12 +1,21 @@
-// 3D playback on WebGL2: instanced meshes, one shadow map, ground grid, orbit and zoom. Without WebGL2 the film remains.
+// 3D playback on WebGL2: instanced meshes, one shadow map, ground grid, orbit and zoom. Without WebGL2 the film stands in
+// its place, without a film pictures do.
+function standIn(figure) {
+  const film = figure.parentElement.querySelector(".film"), stills = figure.parentElement.querySelector(".stills");
+  const note = document.createElement("p");
+  note.className = "lead";
+  note.textContent = film ? "This browser offers no WebGL2: the film shows the run." : "This browser offers no WebGL2: pictures show the run.";
+  if (stills) stills.hidden = false;
+  figure.replaceWith(note);
+}
+
 async function startPlayer(figure) {
   const stage = figure.querySelector(".stage");
   const scene = JSON.parse(figure.querySelector(".scene").textContent);
   const canvas = document.createElement("canvas");
   const gl = canvas.getContext("webgl2", { antialias: true, alpha: false, preserveDrawingBuffer: true });
   if (!gl) {
-    stage.innerHTML = '<p class="absent">This browser offers no WebGL2; the film below shows the run.</p>';
-    figure.querySelector(".controls").remove();
+    standIn(figure);
     return false;
   }
   const vertices = new Float32Array(await unpacked(figure.querySelector(".vertices").textContent));
@@ -71,11 +80,20 @@ async function startPlayer(figure) {
     show();
   };
   orbit(stage, camera, scene, show);
+  const turn = (azimuth, elevation) => {
+    camera.azimuth += azimuth;
+    camera.elevation = Math.max(0.01, Math.min(1.54, camera.elevation + elevation));
+    show();
+  };
+  const zoom = factor => { camera.distance = Math.max(0.25 * scene.reach, Math.min(6 * scene.reach, camera.distance * factor)); show(); };
+  const keys = {
+    " ": toggle, Home: () => set(0), End: () => set(scene.frames - 1), "+": () => zoom(0.9), "=": () => zoom(0.9), "-": () => zoom(1 / 0.9),
+    ArrowRight: e => e.shiftKey ? turn(-0.08, 0) : set(frame + 1), ArrowLeft: e => e.shiftKey ? turn(0.08, 0) : set(frame - 1),
+    ArrowUp: e => e.shiftKey ? turn(0, 0.05) : set(frame + Math.round(scene.rate)), ArrowDown: e => e.shiftKey ? turn(0, -0.05) : set(frame - Math.round(scene.rate)),
+  };
   stage.addEventListener("keydown", e => {
-    if (e.key === " ") toggle();
-    else if (e.key === "ArrowRight") set(frame + 1);
-    else if (e.key === "ArrowLeft") set(frame - 1);
-    else return;
+    if (!keys[e.key] || e.ctrlKey || e.metaKey || e.altKey) return;
+    keys[e.key](e);
     e.preventDefault();
   });
   document.addEventListener("grouser-seek", e => { if (e.detail.part === figure.dataset.player) set((e.detail.time - scene.start) * scene.rate); });

@@ -39,6 +39,21 @@ TEST(Svg, KeepsNamesAsTextAndSaysWhatItShows) {
   EXPECT_THAT(svg, HasSubstr("role=\"img\" aria-label=\"A &quot;loop&quot; &amp; more.\""));
 }
 
+TEST(Svg, LeavesOutPointsThatAStraightLineMeets) {
+  SvgCanvas canvas(100.0f, 100.0f);
+  std::vector<Vector2f> points;
+  for (int i = 0; i <= 100; ++i) points.emplace_back(static_cast<float>(i), i == 40 ? 50.2f : 50.0f);
+  canvas.line(points, 1.0f, {});
+  EXPECT_THAT(canvas.element(""), HasSubstr("d=\"M0 50l39 0l1 0.2l1-0.2l59 0\""));
+}
+
+TEST(Svg, KeepsAWayThatTurnsBack) {
+  SvgCanvas canvas(100.0f, 100.0f);
+  const std::vector<Vector2f> points{{0.0f, 50.0f}, {0.0f, 10.0f}, {0.0f, 90.0f}, {0.0f, 50.0f}};
+  canvas.line(points, 1.0f, {});
+  EXPECT_THAT(canvas.element(""), HasSubstr("d=\"M0 50l0-40l0 80l0-40\""));
+}
+
 TEST(Svg, StandsAloneAsAFileInTheColoursOfItsTheme) {
   const std::string light = svg_file(two_lines("Loop")), dark = svg_file(two_lines("Loop"), Theme::dark);
   for (const std::string& file : {light, dark})

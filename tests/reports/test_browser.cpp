@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdio>
 
+#include "render/render.h"
 #include "reports/assets.h"
 #include "reports/report.h"
 #include "tests/support/mock_run.h"
@@ -33,17 +34,18 @@ class Browser : public testing::Test {
     if (!std::filesystem::exists(source / "node_modules/playwright-core"))
       GTEST_SKIP() << "node_modules is absent: run npm ci in the source folder";
     if (ask("node --version").status != 0) GTEST_SKIP() << "node is not installed";
+    if (ask("pdftotext -v").status != 0) GTEST_SKIP() << "pdftotext is not installed: poppler-utils";
   }
-  void expect_good(const std::vector<std::string>& names, bool player) {
+  void expect_good(const std::vector<std::string>& names, bool player, bool film = false) {
     std::vector<std::filesystem::path> folders;
     for (const std::string& name : names) folders.push_back(folder_ / name);
     write_report(folders, folder_ / "report.html");
     const bool charts =
         has_interactive_charts() && !folders.empty() && std::filesystem::exists(folders.front() / "run.json");
     const std::string modules = "NODE_PATH=" GROUSER_SOURCE_DIR "/node_modules ";
-    const Answer answer =
-        ask(modules + "node " GROUSER_SOURCE_DIR "/tests/reports/browser.cjs " + (folder_ / "report.html").string() +
-            (charts ? " charts=1" : " charts=0") + (player ? " player=1" : " player=0"));
+    const Answer answer = ask(modules + "node " GROUSER_SOURCE_DIR "/tests/reports/browser.cjs " +
+                              (folder_ / "report.html").string() + (charts ? " charts=1" : " charts=0") +
+                              (player ? " player=1" : " player=0") + (film ? " film=1" : " film=0"));
     EXPECT_EQ(answer.status, 0) << answer.text;
   }
   test::TemporaryFolder folder_;
@@ -52,6 +54,16 @@ class Browser : public testing::Test {
 TEST_F(Browser, RunReportWorks) {
   mock::write_run(folder_ / "run");
   expect_good({"run"}, true);
+}
+
+TEST_F(Browser, TheFilmStandsInWhereThereIsNoWebGl) {
+  mock::write_run(folder_ / "run");
+  RenderOptions options;
+  options.width = 160;
+  options.height = 90;
+  options.fps = 5.0;
+  ASSERT_GT(render_film(open_run(folder_ / "run"), folder_ / "run/film.mp4", options), 0);
+  expect_good({"run"}, true, true);
 }
 
 TEST_F(Browser, AVehicleNamedAsAScriptStaysText) {

@@ -1,0 +1,18 @@
+#pragma once
+#include <nlohmann/json.hpp>
+#include <string>
+
+/// The machine-readable twin of a page.
+namespace grouser {
+
+/// Keys that start so hold what only the page needs (base64); the twin leaves them out.
+inline constexpr const char* k_payload_prefix = "payload_";
+/// Keys that hold what only the twin needs: the numbers that a figure shows as curves. The page leaves them out.
+inline constexpr const char* k_data_key = "data";
+
+/// The value without payloads, at every depth.
+[[nodiscard]] nlohmann::json without_payloads(const nlohmann::json& value);
+/// The twin of a page's facts as text: one member a line, lists of numbers on one line each.
+[[nodiscard]] std::string twin_text(const nlohmann::json& facts);
+
+}  // namespace grouser
