@@ -11,7 +11,7 @@ build_packages=(
   fonts-dejavu-core
 )
 test_packages=(
-  chromium libbenchmark-dev libgmock-dev libgtest-dev libsimbody-dev python3 python3-h5py python3-jsonschema
+  chromium libbenchmark-dev libgmock-dev libgtest-dev libsimbody-dev poppler-utils python3 python3-h5py python3-jsonschema
 )
 
 say() { printf '%s: %s\n' "$(basename "$0")" "$*" >&2; }

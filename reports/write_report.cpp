@@ -130,7 +130,7 @@ json contents(const json& page) {
       if (kind == std::string("fits") || part["has_corrections"]) add(id + "-corrections", "Corrections");
       for (const json& axis : part["axes"]) add(axis["key"], "Axis " + axis["axis_title"].get<std::string>());
       if (part.contains("draws") && part["draws"].is_object()) add(id + "-draws", "Draws");
-      add(id + "-provenance", "Provenance");
+      add(id + "-provenance", "How to repeat it");
     }
   return links;
 }
@@ -209,7 +209,7 @@ json against_contents(const json& page) {
     for (const json& figure : part["figures"]) links.push_back({{"key", figure["id"]}, {"text", figure["title"]}});
     if (part["cross"].is_object()) links.push_back({{"key", part["cross"]["id"]}, {"text", part["cross"]["title"]}});
     links.push_back({{"key", id + "-channels"}, {"text", "Channels"}});
-    links.push_back({{"key", id + "-provenance"}, {"text", "Provenance"}});
+    links.push_back({{"key", id + "-provenance"}, {"text", "How to repeat it"}});
   }
   return links;
 }

@@ -55,6 +55,14 @@ class Readme(unittest.TestCase):
                 ran += 1
         self.assertGreaterEqual(ran, 8, "README.md shows each subcommand")
 
+    def test_every_picture_is_drawn_by_the_script(self):
+        with open(os.path.join(SOURCE_DIR, "README.md"), encoding="utf-8") as file:
+            shown = set(re.findall(r"docs/pictures/(\w+\.png)", file.read()))
+        with open(os.path.join(SOURCE_DIR, "docs/pictures/draw.sh"), encoding="utf-8") as file:
+            drawn = set(re.findall(r'"\$here/(\w+\.png)"', file.read()))
+        self.assertLessEqual(shown, drawn)
+        self.assertGreaterEqual(len(shown), 3)
+
     def test_the_example_of_a_rig_file_is_one(self):
         rig = example_rig()
         with tempfile.TemporaryDirectory() as folder:

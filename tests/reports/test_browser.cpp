@@ -3,7 +3,6 @@
 #include <array>
 #include <cstdio>
 
-#include "render/render.h"
 #include "reports/assets.h"
 #include "reports/report.h"
 #include "tests/support/mock_run.h"
@@ -36,16 +35,17 @@ class Browser : public testing::Test {
     if (ask("node --version").status != 0) GTEST_SKIP() << "node is not installed";
     if (ask("pdftotext -v").status != 0) GTEST_SKIP() << "pdftotext is not installed: poppler-utils";
   }
-  void expect_good(const std::vector<std::string>& names, bool player, bool film = false) {
+  void expect_good(const std::vector<std::string>& names, bool player) {
     std::vector<std::filesystem::path> folders;
     for (const std::string& name : names) folders.push_back(folder_ / name);
     write_report(folders, folder_ / "report.html");
     const bool charts =
         has_interactive_charts() && !folders.empty() && std::filesystem::exists(folders.front() / "run.json");
     const std::string modules = "NODE_PATH=" GROUSER_SOURCE_DIR "/node_modules ";
-    const Answer answer = ask(modules + "node " GROUSER_SOURCE_DIR "/tests/reports/browser.cjs " +
-                              (folder_ / "report.html").string() + (charts ? " charts=1" : " charts=0") +
-                              (player ? " player=1" : " player=0") + (film ? " film=1" : " film=0"));
+    const Answer answer =
+        ask(modules + "node " GROUSER_SOURCE_DIR "/tests/reports/browser.cjs " + (folder_ / "report.html").string() +
+            (charts ? " charts=1" : " charts=0") + (player ? " player=1" : " player=0") +
+            (std::filesystem::exists(folders.front() / "film.mp4") ? " film=1" : " film=0"));
     EXPECT_EQ(answer.status, 0) << answer.text;
   }
   test::TemporaryFolder folder_;
@@ -58,12 +58,8 @@ TEST_F(Browser, RunReportWorks) {
 
 TEST_F(Browser, TheFilmStandsInWhereThereIsNoWebGl) {
   mock::write_run(folder_ / "run");
-  RenderOptions options;
-  options.width = 160;
-  options.height = 90;
-  options.fps = 5.0;
-  ASSERT_GT(render_film(open_run(folder_ / "run"), folder_ / "run/film.mp4", options), 0);
-  expect_good({"run"}, true, true);
+  write_whole(folder_ / "run/film.mp4", "what it shows is not looked at");
+  expect_good({"run"}, true);
 }
 
 TEST_F(Browser, AVehicleNamedAsAScriptStaysText) {
