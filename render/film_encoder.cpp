@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// x264: a third of the time of its default preset; at this quality its files are no larger.
+/// x264: 14 ms of processor a frame of 1280 x 720 in place of 33 with its default preset, for files a tenth larger.
 constexpr const char* k_preset = "veryfast";
 constexpr const char* k_quality = "22";  ///< CRF, 18 looks lossless, 23 is the default
 constexpr int k_longest_gap = 250;       ///< frames between key frames

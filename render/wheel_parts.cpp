@@ -180,11 +180,16 @@ Mesh roller_mesh(const DiscPair& roller, const Detail& detail) {
 
 Mesh disc_pair_shadow_mesh(const DiscPair& wheel) {
   const DiscPairShape s(wheel);
-  Mesh mesh;
-  const float dish = dish_of(s);  // a disc without it would shade it
-  Mesh side;
-  side.add_lathe({{0, s.inner}, {s.radius, s.inner}, {s.radius, s.outer}, {0.6f * s.radius, dish}, {0, dish}}, 24,
-                 Vector3f::Zero(), k_tyre);
+  const float dish = dish_of(s), hub = 0.33f * s.radius, end = s.outer + 0.003f;  // within all that they shade
+  Mesh side, mesh;
+  side.add_lathe({{0, s.inner},
+                  {s.radius, s.inner},
+                  {s.radius, s.outer},
+                  {0.6f * s.radius, dish},
+                  {hub, dish},
+                  {hub, end},
+                  {0, end}},
+                 24, Vector3f::Zero(), k_tyre);
   append_both_sides(side, mesh);
   return mesh;
 }
