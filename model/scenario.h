@@ -57,7 +57,7 @@ struct IntegratorOptions {
   double displacement_tolerance = 3e-5;  ///< m
   double max_step = 2e-4;                ///< s
   double min_step = 1e-6;                ///< s; a smaller one asked for ends the run
-  double stability_fraction = 1.2;       ///< of the (pessimistic) bound, P 3
+  double stability_fraction = 1.0;       ///< of the largest step that is stable for certain
   double growth_limit = 1.1;
   double fixed_step = 0.0;  ///< s; > 0 switches error control and bound off
 };

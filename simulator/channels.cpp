@@ -124,9 +124,10 @@ void fill_track(const CompiledTrack& track, const Snapshot& at, RowFiller& row) 
 }
 
 void fill_energy(const EnergyBook& book, RowFiller& row) {
-  for (const double value : {book.now.kinetic, book.now.gravity, book.now.bushing, book.now.suspension,
-                             book.now.contact, book.input, book.bushing_loss, book.contact_loss, book.friction_loss,
-                             book.ground_loss, book.suspension_loss, book.tensioner_loss, book.residual()}) {
+  for (const double value :
+       {book.now.kinetic, book.now.gravity, book.now.bushing, book.now.suspension, book.now.contact, book.input,
+        book.bushing_loss, book.contact_loss + book.contact_way, book.friction_loss, book.ground_loss,
+        book.suspension_loss, book.tensioner_loss, book.residual()}) {
     row.put(value);
   }
 }

@@ -162,17 +162,19 @@ void archive(Archive& a, Acceleration& acceleration) {
 template <typename Archive>
 void archive(Archive& a, EnergyTerms& terms) {
   auto& [kinetic, gravity, bushing, suspension, contact, input_power, bushing_power, contact_power, friction_power,
-         ground_power, suspension_power, tensioner_power, assembly_power, bushing_step_loss, ground_step_loss] = terms;
+         ground_power, suspension_power, tensioner_power, assembly_power, bushing_step_loss, ground_step_loss,
+         contact_step_loss] = terms;
   a(kinetic, gravity, bushing, suspension, contact, input_power, bushing_power, contact_power, friction_power,
-    ground_power, suspension_power, tensioner_power, assembly_power, bushing_step_loss, ground_step_loss);
+    ground_power, suspension_power, tensioner_power, assembly_power, bushing_step_loss, ground_step_loss,
+    contact_step_loss);
 }
 
 template <typename Archive>
 void archive(Archive& a, EnergyBook& book) {
   auto& [start, now, input, absolute_input, bushing_loss, contact_loss, friction_loss, ground_loss, suspension_loss,
-         tensioner_loss] = book;
+         tensioner_loss, contact_way] = book;
   a(start, now, input, absolute_input, bushing_loss, contact_loss, friction_loss, ground_loss, suspension_loss,
-    tensioner_loss);
+    tensioner_loss, contact_way);
 }
 
 template <typename Archive>

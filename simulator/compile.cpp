@@ -3,6 +3,7 @@
 
 #include "model/errors.h"
 #include "simulator/lanes.h"
+#include "simulator/stability.h"
 #include "simulator/system.h"
 
 namespace grouser {
@@ -221,6 +222,20 @@ void add_running_gear(System& system, const RunningGear& gear, Side side, const 
   for (auto body = bodies.begin() + first; body != bodies.end(); ++body) body->mirror_group = index_of(side);
 }
 
+void share_contacts(const Tree& tree, CompiledTrack& track) {
+  const double path = track.wheel_path_height, moving = 1.0 / track.mass;
+  for (CompiledDiscs& discs : track.discs) {
+    // Wheels carry most on two links, rollers on one, idlers on half a turn, whose middle weighs most on the spin.
+    const double wrapped = discs.partner == Partner::idler        ? 2.0 * discs.radius / track.pitch
+                           : discs.partner == Partner::road_wheel ? 2.0
+                                                                  : 1.0;
+    const double mobility = moving + path * path / track.inertia.y();
+    discs.share = contact_share(tree, discs.body, discs.radius, mobility, wrapped);
+  }
+  const double wrapped = 0.5 * track.sprocket.teeth;
+  track.sprocket.share = contact_share(tree, track.sprocket.body, track.sprocket.pitch_radius, moving, wrapped);
+}
+
 /// f(-x) = -f(x) over the whole curve, to the round-off of a file.
 bool is_odd(const SpringSpline& spring) {
   constexpr double k_round_off = 1e-12;
@@ -302,6 +317,7 @@ System compile(const Scenario& scenario) {
     track.law = &scenario.bushing_of(side) == &scenario.bushing_of(Side::left) ? Side::left : side;
     system.link_array_length += padded_length(track.num_links);
     add_running_gear(system, gear, side, scenario.drive[static_cast<std::size_t>(index_of(side))]);
+    share_contacts(system.tree, track);
     mass += track.num_links * track.mass;  // a link and its connector, whether that is a body or not
     reserve_rubber(track, system);
     // A bristle a point for the surface, and one more where half rounds stand on it.

@@ -8,6 +8,11 @@ void push_links(Workspace& work, int first, const LinkLoads& load_W, Partner par
   add_to3(work.contact_force_W[static_cast<std::size_t>(partner)], first, load_W.force);
 }
 
+void note_losses(Workspace& work, int first, const LinkLoads& lost_W) {
+  add_to3(work.loss_force_W, first, lost_W.force);
+  add_to3(work.loss_torque_W, first, lost_W.torque);
+}
+
 void push_body(Workspace& work, int body, const BodyLoad& load) {
   Vector6d& on_body = work.chassis.force[static_cast<std::size_t>(body)];
   on_body.head<3>() += sum_of_lanes(load.about_base);

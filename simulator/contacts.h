@@ -42,6 +42,8 @@ struct LinkLoads {
 };
 /// Adds loads in W to the links from `first` on and books their forces to a partner.
 void push_links(Workspace& work, int first, const LinkLoads& load_W, Partner partner);
+/// Notes which part of them damps or rubs.
+void note_losses(Workspace& work, int first, const LinkLoads& lost_W);
 /// Forces on a body of the tree, gathered in lanes, in W, with their moments about the base's centre of mass.
 struct BodyLoad {
   Lanes3 force = in_all_lanes(Vector3d::Zero()), about_base = force;

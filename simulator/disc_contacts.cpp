@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "simulator/contacts.h"
+#include "simulator/stability.h"
 
 namespace grouser {
 namespace {
@@ -35,9 +36,9 @@ Lanes3 load_twice3(const Field& field, int first) {
   return {load_twice(field[0] + first), load_twice(field[1] + first), load_twice(field[2] + first)};
 }
 
-/// What a unit force moves a link's centre and turns it about y and x by [1/kg, 1/(kg m^2)].
+/// What a unit force moves a link's centre and turns it about x and z by [1/kg, 1/(kg m^2)].
 struct Mobility {
-  double moving, pitching, rolling;
+  double moving, rolling, yawing;
 };
 
 /// A disc pair met by four links in a row, each in its own link frame L.
@@ -52,6 +53,12 @@ struct Meeting {
   Lanes3 axle;      ///< unit vector
   Lanes3 spin;      ///< angular velocity of the pair against the link [rad/s]
   Lanes3 velocity;  ///< of the pair's centre against the point of the link that stands there [m/s]
+  Lanes3 way;       ///< unit vector along which the pair's centre can go on its arm; 0 on the hull
+};
+
+/// Loads on four links, twice, in their frames: elastic ones, and those that energy is lost by.
+struct Loads {
+  LinkLoads elastic, lost;
 };
 
 /// Contact patch of a disc on the wheel path as an elastic foundation of stiffness k [N/m^2]: energy k/2 int delta^2 dx
@@ -80,8 +87,50 @@ Patch foundation(const Lanes& depth, double radius, const Lanes& from, const Lan
   return {-slope, area, energy, (radius * slope / area.max(k_least_area)).max(a).min(b), width};
 }
 
+/// Slopes of the discs' forces on the links, for the stability bound.
+struct DiscSlopes {
+  Lanes3 disc;  ///< its centre from the link's
+  PlaneDirection normal;
+  Lanes width;  ///< of the patch
+  Lanes stiffness, damping, friction;
+};
+
+void add_plane(Field& blocks, int first, const PlaneBlock& block, double times) {
+  for (int row = 0; row < k_plane_rows; ++row) {
+    add_halves_to(blocks[row] + first, times * block[static_cast<std::size_t>(row)]);
+  }
+}
+
+void add_slopes(const Meeting& m, const DiscSlopes& s, Workspace& work) {
+  const double path = m.track.wheel_path_height, share = m.discs.share.link;
+  PlaneBlock stiffness = along(s.normal, s.stiffness);
+  stiffness[k_pitch] += (1.0 / 12.0) * s.stiffness * s.width * s.width;
+  PlaneBlock damping = along(s.normal, s.damping);
+  damping[k_xx] += s.friction;
+  damping[k_pitch] += path * path * s.friction;
+  damping[k_x_pitch] += path * s.friction;
+  add_plane(work.plane_stiffness, m.first, stiffness, share);
+  add_plane(work.plane_damping, m.first, damping, share);
+
+  const auto& [moving, rolling, yawing] = m.mobility;
+  const Lanes y2 = s.disc.y.square(), turning = path * path * rolling + yawing * s.disc.x.square();
+  add_halves_to(work.side_stiffness[1] + m.first, (share * rolling) * y2 * s.stiffness);
+  add_halves_to(work.side_damping[0] + m.first, (share * moving) * s.friction);
+  add_halves_to(work.side_damping[1] + m.first,
+                share * (rolling * y2 * s.damping + (yawing * y2 + turning) * s.friction));
+  add_halves_to(work.side_damping[2] + m.first, share * (moving * turning).sqrt() * s.friction);
+
+  RimSums& rim = work.rim[static_cast<std::size_t>(m.discs.body)];
+  const Lanes normal_way = s.normal.x * m.way.x + s.normal.z * m.way.z;
+  const Lanes friction_way = s.friction * m.way.x;
+  rim.spin += s.friction.sum();
+  rim.both += friction_way.sum();
+  rim.damping += (friction_way * m.way.x + s.damping * normal_way * normal_way).sum();
+  rim.stiffness += (s.stiffness * normal_way * normal_way).sum();
+}
+
 /// Both discs on plates or edges, `lateral` from the pair's centre. Returns the lanes that they touch.
-unsigned touch_path(const Meeting& m, double stiffness, const Lanes& lateral, LinkLoads& load, TrackSums& sums,
+unsigned touch_path(const Meeting& m, double stiffness, const Lanes& lateral, Loads& load, TrackSums& sums,
                     Workspace& work) {
   const CompiledTrack& track = m.track;
   const CompiledContact& law = m.discs.contact;
@@ -96,23 +145,25 @@ unsigned touch_path(const Meeting& m, double stiffness, const Lanes& lateral, Li
   const Lanes3 rate = m.velocity + cross(m.spin, arm);
   const Lanes fx = stiffness * patch.force_x, fz = stiffness * patch.force_z;
   const Lanes elastic = (fx * fx + fz * fz).sqrt();
-  const Lanes closing = -(fx * rate.x + fz * rate.z) / elastic.max(k_least_force);
+  const Lanes inverse = 1.0 / elastic.max(k_least_force), nx = fx * inverse, nz = fz * inverse;
+  const Lanes closing = -(nx * rate.x + nz * rate.z);
   const Lanes factor = normal_factor(law, closing), normal = elastic * factor;
 
   const Lanes3 place{disc.x + patch.center, disc.y, path};
   const Lanes3 slip = m.velocity + cross(m.spin, place - m.center);
   const Lanes slip2 = slip.x * slip.x + slip.y * slip.y;
   const Lanes q = sliding_friction(law, normal, slip2);
-  load.add(disc, {-fx * factor, 0.0, -fz * factor});
-  load.add(place, {q * slip.x, q * slip.y, 0.0});
-
-  const auto& [moving, pitching, rolling] = m.mobility;
-  const Lanes steepest = steepest_friction(law, normal);
-  const Lanes x_mobility = moving + pitching * disc.x * disc.x;
-  add_halves_to(work.stability[0] + m.first, stiffness * patch.width * (x_mobility + rolling * disc.y * disc.y));
-  add_halves_to(work.stability[1] + m.first,
-                (moving + pitching * path * path) * steepest + law.rate * elastic * x_mobility);
-  work.rim_damping[static_cast<std::size_t>(m.discs.body)] += steepest.sum();
+  load.elastic.add(disc, {-fx, 0.0, -fz});
+  load.lost.add(disc, {fx * (1.0 - factor), 0.0, fz * (1.0 - factor)});
+  load.lost.add(place, {q * slip.x, q * slip.y, 0.0});
+  add_slopes(m,
+             {disc,
+              {nx, nz, disc.z * nx - disc.x * nz},
+              patch.width,
+              stiffness * patch.width * factor.max(1.0),
+              law.rate * elastic,
+              steepest_friction(law, normal)},
+             work);
   sums.energy += stiffness * patch.energy;
   sums.contact_power += elastic * (factor - 1.0) * closing;
   sums.friction_power += q * slip2;
@@ -124,7 +175,7 @@ unsigned touch_path(const Meeting& m, double stiffness, const Lanes& lateral, Li
 /// energy is k/2 min(delta, o)^2 w(x), with the hat w over one pitch so that neighbouring horns share a wheel; its
 /// gradient gives the wall cases and, when a rim rides on the horn (o < delta), the top case. Returns the lanes
 /// touched.
-unsigned touch_guide(const Meeting& m, LinkLoads& load, TrackSums& sums, Workspace& work) {
+unsigned touch_guide(const Meeting& m, Loads& load, TrackSums& sums, Workspace& work) {
   const CompiledTrack& track = m.track;
   const Lanes zero = 0.0, one = 1.0, aside = m.center.y.abs();
   const Lanes weight = 1.0 - (1.0 / track.pitch) * m.center.x.abs();
@@ -147,10 +198,12 @@ unsigned touch_guide(const Meeting& m, LinkLoads& load, TrackSums& sums, Workspa
   const Lanes elastic = dot(force, force).sqrt();
   const Lanes closing = -dot(force, m.velocity) / elastic.max(k_least_force);
   const Lanes factor = normal_factor(track.guide, closing);
-  load.add(m.center, -factor * force);
+  load.elastic.add(m.center, -force);
+  load.lost.add(m.center, (1.0 - factor) * force);
   const double arm = 0.1;  // m, of a force aside about the link's long axis
-  add_halves_to(work.stability[0] + m.first,
-                choose(touching, (m.mobility.moving + arm * arm * m.mobility.rolling) * k, zero));
+  const double mobility = m.mobility.moving + arm * arm * m.mobility.rolling;
+  add_halves_to(work.stability[0] + m.first, choose(touching, mobility * k, zero));
+  add_halves_to(work.stability[1] + m.first, mobility * track.guide.rate * elastic);
   sums.energy += 0.5 * normal * depth;
   sums.contact_power += elastic * (factor - 1.0) * closing;
   count_case(work, ContactCase::guide_top, touched & bits_of(top));
@@ -159,14 +212,18 @@ unsigned touch_guide(const Meeting& m, LinkLoads& load, TrackSums& sums, Workspa
   return touched;
 }
 
-void push_apart(const Meeting& m, const LinkLoads& load_L, Partner partner, const State& state, BodyLoad& on_pair,
+void push_apart(const Meeting& m, const Loads& load_L, Partner partner, const State& state, BodyLoad& on_pair,
                 Workspace& work) {
-  const Lanes3 force = m.frames.to_world(load_L.force), torque = m.frames.to_world(load_L.torque);
+  const Lanes3 lost = m.frames.to_world(load_L.lost.force), lost_torque = m.frames.to_world(load_L.lost.torque);
+  const Lanes3 force = m.frames.to_world(load_L.elastic.force) + lost;
+  const Lanes3 torque = m.frames.to_world(load_L.elastic.torque) + lost_torque;
   const auto add = [&](Field& field, const Lanes3& v) {
     add_halves_to(field[0] + m.first, v.x);
     add_halves_to(field[1] + m.first, v.y);
     add_halves_to(field[2] + m.first, v.z);
   };
+  add(work.loss_force_W, lost);
+  add(work.loss_torque_W, lost_torque);
   add(work.force_W, force);
   add(work.torque_W, torque);
   add(work.contact_force_W[static_cast<std::size_t>(partner)], force);
@@ -179,7 +236,7 @@ void push_apart(const Meeting& m, const LinkLoads& load_L, Partner partner, cons
 void meet_path(const Meeting& m, double stiffness, const State& state, BodyLoad& on_pair, TrackSums& sums,
                Workspace& work) {
   const double o = m.track.lateral * m.discs.disc_offset;
-  LinkLoads load;
+  Loads load;
   const unsigned touching = touch_path(m, stiffness, Lanes::Values{-o, -o, -o, -o, o, o, o, o}, load, sums, work);
   if (touching == 0) return;
   push_apart(m, load, m.discs.partner, state, on_pair, work);
@@ -193,7 +250,7 @@ void meet_path(const Meeting& m, double stiffness, const State& state, BodyLoad&
 
 /// The horn stands once between the discs: the lanes of one disc count.
 void meet_guide(const Meeting& m, const State& state, BodyLoad& on_pair, TrackSums& sums, Workspace& work) {
-  LinkLoads load;
+  Loads load;
   const unsigned touched = touch_guide(m, load, sums, work);
   count_case(work, ContactCase::guide_none, bits_of(m.near) & k_one_disc & ~touched);
   if (touched != 0) push_apart(m, load, Partner::guide, state, on_pair, work);
@@ -211,8 +268,17 @@ struct Reach {
   [[nodiscard]] double distance() const { return std::sqrt(along * along + up * up); }
 };
 
-void track_discs(const CompiledTrack& track, double stiffness_scale, const State& state, Workspace& work) {
-  const Mobility mobility{1.0 / track.mass, 1.0 / track.inertia.y(), 1.0 / track.inertia.x()};
+/// Unit vector along which the centre of a wheel can go on its arm, in W; 0 on the hull.
+Vector3d way_of_center(const Tree& tree, int body, const TreeWorkspace& work) {
+  const auto b = static_cast<std::size_t>(body);
+  if (tree.bodies[b].parent < 0) return Vector3d::Zero();
+  const Vector3d arm = work.origin_W[b] - work.origin_W[static_cast<std::size_t>(tree.bodies[b].parent)];
+  return work.rotation[b].col(1).cross(arm).normalized();
+}
+
+void track_discs(const Tree& tree, const CompiledTrack& track, double stiffness_scale, const State& state,
+                 Workspace& work) {
+  const Mobility mobility{1.0 / track.mass, 1.0 / track.inertia.x(), 1.0 / track.inertia.z()};
   TrackSums sums;
   for (const CompiledDiscs& discs : track.discs) {
     const auto body = static_cast<std::size_t>(discs.body);
@@ -221,6 +287,7 @@ void track_discs(const CompiledTrack& track, double stiffness_scale, const State
     const Lanes3 axle_W = in_all_lanes(work.chassis.rotation[body].col(1));
     const Lanes3 spin_W = in_all_lanes(work.chassis.angular_velocity_W[body]);
     const Lanes3 velocity_W = in_all_lanes(work.chassis.velocity_at(discs.body, from_base));
+    const Lanes3 way_W = in_all_lanes(way_of_center(tree, discs.body, work.chassis));
     const Reach reach(track, discs);
     const auto near = [&](int first) {
       const Lanes3 apart = in_all_lanes(center_W) - load3(state.position, first);
@@ -243,7 +310,8 @@ void track_discs(const CompiledTrack& track, double stiffness_scale, const State
                             center,
                             frames.to_links(axle_W),
                             frames.to_links(spin_W) - turn,
-                            velocity};
+                            velocity,
+                            frames.to_links(way_W)};
       meet_path(meeting, stiffness_scale * discs.contact.stiffness, state, on_pair, sums, work);
       if (track.guide_height > 0.0) meet_guide(meeting, state, on_pair, sums, work);
     });
@@ -259,7 +327,7 @@ void track_discs(const CompiledTrack& track, double stiffness_scale, const State
 }  // namespace
 
 void disc_contacts(const System& system, const AssemblyKnobs& knobs, const State& state, Workspace& work) {
-  for (const CompiledTrack& track : system.tracks) track_discs(track, knobs.stiffness_scale, state, work);
+  for (const CompiledTrack& track : system.tracks) track_discs(system.tree, track, knobs.stiffness_scale, state, work);
 }
 
 }  // namespace grouser

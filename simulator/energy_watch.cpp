@@ -75,13 +75,13 @@ void EnergyWatch::update(const EnergyBook& book, const Stepper& stepper) {
       ++partners_[pressing_partner(stepper.work(), part.link)];
     }
   }
-  if (steps_ >= k_steps_between_marks && book.residual_fraction() < k_sound_residual)
+  if (steps_ >= k_steps_between_marks && book.chatter_fraction() < k_sound_residual)
     mark_sound(book, stepper.state().time);
 }
 
 std::string EnergyWatch::growing_account(const EnergyBook& book) const {
   const auto before = losses(sound_), now = losses(book);
-  const double all_before = sound_.dissipated(), all_since = book.dissipated() - all_before;
+  const double all_before = sound_.dissipated_by_powers(), all_since = book.dissipated_by_powers() - all_before;
   if (all_since <= 0.0) return "nothing was lost since";
   const auto share_before = [&](std::size_t i) { return all_before > 0.0 ? before[i] / all_before : 0.0; };
   std::size_t grown = 0;
@@ -124,7 +124,7 @@ std::string EnergyWatch::remedy(const Stepper& stepper) const {
 }
 
 std::optional<std::string> EnergyWatch::failure(const EnergyBook& book, const Stepper& stepper) const {
-  const double fraction = book.residual_fraction();
+  const double fraction = book.chatter_fraction();
   if (fraction < k_largest_residual) return std::nullopt;
   return fmt::format(
       "energy residual {:.2e} of the energy turned over (sprocket work, losses or strain of the rubber, whichever is "

@@ -6,6 +6,7 @@ namespace {
 /// What the ground puts on eight links in a row over all their points, kept in registers until they are done.
 struct BlockLoad {
   LinkLoads on_links;                    ///< W
+  LinkLoads lost;                        ///< part of it that damps across the ground
   Lanes stiffness = 0.0, damping = 0.0;  ///< towards the step's bound
   Lanes energy = 0.0, contact_power = 0.0, ground_power = 0.0, step_loss = 0.0;
   unsigned touches = 0;  ///< points that touch
@@ -143,6 +144,7 @@ void press(const GroundPoint& g, const Frame& frame, const Lanes& depth, const H
   const Lanes fx = choose(touching, b.force_x, 0.0), fy = choose(touching, b.force_y, 0.0);
   const Lanes spring_x = choose(touching, k * sx, 0.0), spring_y = choose(touching, k * sy, 0.0);
   sum.on_links.add(g.arm, frame.to_world(Lanes3{fx, fy, normal}));
+  sum.lost.add(g.arm, frame.to_world(Lanes3{0.0, 0.0, normal - elastic}));
   sum.stiffness += choose(touching, track.ground.stiffness * g.mobility_n + k * g.mobility_t, 0.0);
   sum.damping +=
       (track.ground.rate / track.mass) * elastic + choose(touching, track.bristle_damping * g.mobility_t, 0.0);
@@ -229,6 +231,7 @@ void book(const BlockLoad& sum, int first, Sums& sums, Workspace& work) {
   sums.step_loss += sum.step_loss;
   if (sum.touches == 0) return;
   push_links(work, first, sum.on_links, Partner::ground);
+  note_losses(work, first, sum.lost);
   add_to(work.stability[0] + first, sum.stiffness);
   add_to(work.stability[1] + first, sum.damping);
   work.case_count[static_cast<std::size_t>(ContactCase::ground_point)] += sum.touches;

@@ -5,79 +5,6 @@
 namespace grouser {
 namespace {
 
-/// What a unit force or moment at a joint, `arm` from the centre, accelerates; the two joints of a body move against
-/// each other in the worst mode, hence the factor 2 on each (P 3).
-struct Mobility {
-  double tx, ty, tz, rx, ry, rz;
-  Mobility(double mass, const Vector3d& inertia, double arm)
-      : tx(2.0 / mass),
-        ty(2.0 * (1.0 / mass + arm * arm / inertia.z())),
-        tz(2.0 * (1.0 / mass + arm * arm / inertia.y())),
-        rx(2.0 / inertia.x()),
-        ry(2.0 / inertia.y()),
-        rz(2.0 / inertia.z()) {}
-  /// Eight joints from j on.
-  [[nodiscard]] Lanes of(const Field& k, int j) const {
-    const auto at = [&](int axis) { return load(k[axis] + j); };
-    return (tx * at(0)).max(tz * at(2) + ry * at(4)).max(ty * at(1) + rz * at(5)).max(rx * at(3));
-  }
-};
-
-/// What eight joints put into the sums of the bodies from `first` on; lanes behind the last joint are padding.
-void add_joints(const Mobility& body, const Workspace& work, int joint, int valid, int first, Field& stability) {
-  const LaneMask joints = LaneMask::first(valid);
-  add_to(stability[0] + first, choose(joints, body.of(work.joint_stiffness, joint), 0.0));
-  add_to(stability[1] + first, choose(joints, body.of(work.joint_damping, joint), 0.0));
-}
-
-/// The link ahead of the last joint is the first one: what was put on its copy behind the last link is its own.
-void close_seam(const CompiledTrack& track, Field& stability) {
-  for (const int sum : {0, 1}) stability[sum][track.offset] += stability[sum][track.offset + track.num_links];
-}
-
-/// Sums that the joints on both sides put into a link's stability bound: S2 over stiffness, S1 over damping.
-void add_joint_stability(const CompiledTrack& track, Workspace& work) {
-  const Mobility link(track.mass, track.inertia, 0.5 * track.pitch);
-  for (int k = 0; k < track.num_links; k += k_lanes) {
-    const int i = track.offset + k;
-    add_joints(link, work, i, track.num_links - k, i, work.stability);
-    add_joints(link, work, i, track.num_links - k, i + 1, work.stability);
-  }
-  close_seam(track, work.stability);
-}
-
-/// The same for links and connectors, each between two bushings.
-void add_connector_stability(const CompiledTrack& track, Workspace& work) {
-  const LinkBodies& connectors = track.bodies[1];
-  const Mobility link(track.mass, track.inertia, track.groove);
-  const Mobility connector(connectors.mass, connectors.inertia, 0.5 * track.connector_length);
-  for (int k = 0; k < track.num_links; k += k_lanes) {
-    const int valid = track.num_links - k, front = track.offset + k, rear = connectors.offset + k;
-    add_joints(link, work, front, valid, front, work.stability);
-    add_joints(link, work, rear, valid, front + 1, work.stability);
-    add_joints(connector, work, front, valid, rear, work.stability);
-    add_joints(connector, work, rear, valid, rear, work.stability);
-  }
-  close_seam(track, work.stability);
-}
-
-/// The shortest stable step, 2 / (s1 + sqrt(s1^2 + a)) with a = (4 beta - 3) s2, belongs to the largest rate.
-void find_bound(const LinkBodies& bodies, double beta, Workspace& work) {
-  double largest = 2.0 / work.largest_stable_step;
-  for (int k = 0; k < bodies.count; k += k_lanes) {
-    const int i = bodies.offset + k;
-    const Lanes s2 = load(work.stability[0] + i), s1 = load(work.stability[1] + i);
-    const Lanes rate = s1 + (s1 * s1 + (4.0 * beta - 3.0) * s2).sqrt();
-    if (rate.max_lane() <= largest) continue;
-    for (int lane = 0; lane < std::min(k_lanes, bodies.count - k); ++lane) {
-      if (rate[lane] <= largest) continue;
-      largest = rate[lane];
-      work.largest_stable_step = 2.0 / largest;
-      work.bounding = {i + lane, -1};
-    }
-  }
-}
-
 /// q exp(dtheta), renormalised to first order; series of sin and cos of half an angle below 0.25 rad are exact to
 /// round-off.
 void turn(const State& now, const Lanes3& angle, int i, State& next) {
@@ -134,13 +61,7 @@ void accelerate(const LinkBodies& bodies, const Vector3d& g, double mass_damping
 void link_accelerations(const System& system, const AssemblyKnobs& knobs, const State& state, Workspace& work,
                         Acceleration& acceleration) {
   for (const CompiledTrack& track : system.tracks) {
-    if (track.joint == JointForm::connector_bodies) {
-      add_connector_stability(track, work);
-    } else {
-      add_joint_stability(track, work);
-    }
     for (const LinkBodies& bodies : track.bodies) {
-      find_bound(bodies, system.scenario.integrator.beta, work);
       accelerate(bodies, system.gravity_W, knobs.mass_damping, state, work, acceleration);
     }
   }
@@ -162,6 +83,35 @@ double advance_links(const System& system, const StepWeights& weights, const Sta
     turn(now, angle, i, next);
   }
   return std::sqrt(largest.max_lane());
+}
+
+double contact_step_loss(const System& system, const StepWeights& weights, const State& now, const Workspace& work_now,
+                         const Acceleration& f_now, const Acceleration& f_before, const State& next,
+                         const Workspace& work_next) {
+  Lanes loss = 0.0;
+  for (const CompiledTrack& track : system.tracks) {
+    for (const LinkBodies& bodies : track.bodies) {
+      for (int first = 0; first < bodies.count; first += k_lanes) {
+        const int i = bodies.offset + first;
+        const auto beyond = [&](const Field& f, const Field& f0) {  // the way less h v_n
+          return weights.position_now * load3(f, i) + weights.position_before * load3(f0, i);
+        };
+        const Lanes3 way = beyond(f_now.linear, f_before.linear);
+        const Lanes3 turn_L = beyond(f_now.angular, f_before.angular);
+        const Lanes3 turn = turn_L.x * load_axis(work_now, 0, i) + turn_L.y * load_axis(work_now, 1, i) +
+                            turn_L.z * load_axis(work_now, 2, i);
+        // The same less h v_{n+1}.
+        const Lanes3 way_back = way - weights.h * (load3(next.velocity, i) - load3(now.velocity, i));
+        const Lanes3 turn_back =
+            turn - weights.h * (load3(work_next.angular_velocity_W, i) - load3(work_now.angular_velocity_W, i));
+        const Lanes both = dot(load3(work_now.loss_force_W, i), way) + dot(load3(work_now.loss_torque_W, i), turn) +
+                           dot(load3(work_next.loss_force_W, i), way_back) +
+                           dot(load3(work_next.loss_torque_W, i), turn_back);
+        loss -= choose(LaneMask::first(bodies.count - first), 0.5 * both, 0.0);
+      }
+    }
+  }
+  return loss.sum();
 }
 
 LocalError link_error(const System& system, const ErrorWeights& weights, const Acceleration& next,

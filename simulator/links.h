@@ -5,7 +5,7 @@
 namespace grouser {
 
 /// M^t q'' = Q^t (paper eq. 6), block diagonal: accelerations of all links from the force sums; kinetic and gravity
-/// energy; the pessimistic stable step of every link (P 3), where it is the shortest so far.
+/// energy.
 void link_accelerations(const System& system, const AssemblyKnobs& knobs, const State& state, Workspace& work,
                         Acceleration& acceleration);
 
@@ -13,6 +13,13 @@ void link_accelerations(const System& system, const AssemblyKnobs& knobs, const 
 /// (D 1.3). Returns the largest turn of a link in the step [rad].
 double advance_links(const System& system, const StepWeights& weights, const State& now, const Acceleration& f_now,
                      const Acceleration& f_before, State& next);
+
+/// What contacts took from the links over the paths that they went, less the trapezoid of the powers at both ends [J].
+/// Chung-Lee's velocity errs by 5/12 h^2 times the rate of the acceleration, so that powers of dampers, which go with
+/// its square, are too large wherever links vibrate; the mean force times the way is the very work that the step does.
+[[nodiscard]] double contact_step_loss(const System& system, const StepWeights& weights, const State& now,
+                                       const Workspace& work_now, const Acceleration& f_now,
+                                       const Acceleration& f_before, const State& next, const Workspace& work_next);
 
 /// Largest embedded error of any link over its tolerance, and whose it is; a link that is not a number comes first.
 /// Rotation counts as the speed of a point half a pitch away.

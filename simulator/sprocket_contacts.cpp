@@ -2,6 +2,7 @@
 #include <span>
 
 #include "simulator/contacts.h"
+#include "simulator/stability.h"
 
 namespace grouser {
 namespace {
@@ -79,28 +80,72 @@ Lanes3 relative_velocity(const Wheel& wheel, const Pins& pins, const State& stat
   return wheel.to_sprocket(velocity);
 }
 
-/// Forces on pins in S, and what they put into the step's bound.
+/// Slopes of forces in the sprocket's plane: a symmetric tensor.
+struct PlaneSlopes {
+  Lanes xx = 0.0, zz = 0.0, xz = 0.0;
+  /// Along the unit vector (x, z).
+  void add(const Lanes& slope, const Lanes& x, const Lanes& z) {
+    xx += slope * x * x;
+    zz += slope * z * z;
+    xz += slope * x * z;
+  }
+  [[nodiscard]] Lanes between(const Lanes3& u, const Lanes3& v) const {
+    return u.x * (xx * v.x + xz * v.z) + u.z * (xz * v.x + zz * v.z);
+  }
+};
+
+/// Forces on pins in S, and their slopes for the stability bound.
 struct PinForce {
   Lanes3 force = in_all_lanes(Vector3d::Zero());
-  Lanes stiffness = 0.0, damping = 0.0;
+  Lanes3 lost = force;  ///< part of it that energy is lost by
+  PlaneSlopes stiffness{}, damping{};
+  Lanes normal_stiffness = 0.0, normal_damping = 0.0, friction = 0.0;  ///< what the tensors are made of
+  Lanes side_stiffness = 0.0, side_damping = 0.0;                      ///< of tooth sides
 };
+
+/// Slopes on one of the bearers, to the blocks of eight bodies from `body` on.
+void add_slopes(const Wheel& wheel, const Bearer& bearer, int body, const PinForce& pushed, Workspace& work) {
+  const CompiledSprocket& sprocket = wheel.track.sprocket;
+  const auto axis = [&](int c) {
+    const auto r = [&](int row) { return load(work.rotation[3 * row + c] + body); };
+    return wheel.to_sprocket({r(0), r(1), r(2)});
+  };
+  const Lanes3 x = axis(0), z = axis(2);
+  const double ahead = bearer.ahead, share = bearer.share * sprocket.share.link;
+  const auto block = [&](const PlaneSlopes& s) {
+    const Lanes xx = s.between(x, x), zz = s.between(z, z), xz = s.between(x, z);
+    return PlaneBlock{xx, zz, ahead * ahead * zz, xz, -ahead * xz, -ahead * zz};
+  };
+  add_block(work.plane_stiffness, body, block(pushed.stiffness), share);
+  add_block(work.plane_damping, body, block(pushed.damping), share);
+
+  const Vector3d& inertia = bearer.kind.inertia;
+  const double ring = sprocket.ring_offset, moving = 1.0 / bearer.kind.mass, arm2 = ahead * ahead;
+  const double turning = ring * ring / std::min(inertia.x(), inertia.z());  // by what acts in the plane of a ring
+  const double any = moving + arm2 / inertia.y() + ring * ring / inertia.x();
+  add_to(work.stability[0] + body, (share * any) * pushed.side_stiffness);
+  add_to(work.stability[1] + body, (share * any) * pushed.side_damping);
+  add_to(work.side_stiffness[1] + body, (share * turning) * pushed.normal_stiffness);
+  add_to(work.side_damping[1] + body, (share * turning) * (pushed.normal_damping + pushed.friction));
+  add_side(work.side_damping, body, {moving, arm2 / inertia.z()}, share * pushed.friction);
+}
 
 /// Books the forces on bearers and sprocket, each pair at one common point, and towards the step's bound.
 void push_pins(const Wheel& wheel, const Pins& pins, const PinForce& pushed, Workspace& work) {
   const CompiledTrack& track = wheel.track;
-  const Lanes3 force = wheel.to_world(pushed.force);
+  const Lanes3 force = wheel.to_world(pushed.force), lost = wheel.to_world(pushed.lost);
   push_body(work, track.sprocket.body, {-force, -cross(pins.from_base_W, force)});
   for (std::size_t b = 0; b < pins.bearers.size(); ++b) {
-    const auto& [kind, from_joint, ahead, share] = pins.bearers[b];
-    const int body = pins.first + from_joint;
-    LinkLoads load;
-    load.add(pins.arm_W[b], share * force);
+    const Bearer& bearer = pins.bearers[b];
+    const int body = pins.first + bearer.from_joint;
+    LinkLoads load, loss;
+    load.add(pins.arm_W[b], bearer.share * force);
+    loss.add(pins.arm_W[b], bearer.share * lost);
+    note_losses(work, body, loss);
     push_links(work, body, load, Partner::sprocket);
-    const double ring = track.sprocket.ring_offset;
-    const double mobility = 1.0 / kind.mass + ahead * ahead / kind.inertia.y();
-    add_to(work.stability[0] + body, share * (mobility + ring * ring / kind.inertia.x()) * pushed.stiffness);
-    add_to(work.stability[1] + body, share * mobility * pushed.damping);
+    add_slopes(wheel, bearer, body, pushed, work);
   }
+  work.rim[static_cast<std::size_t>(track.sprocket.body)].spin += pushed.friction.sum();
 }
 
 /// The link ahead of the last joint is the first one: what was put on its copy behind the last link is its own.
@@ -112,9 +157,10 @@ void close_seam(const CompiledTrack& track, Workspace& work) {
       field[c][copy] = 0.0;
     }
   };
+  take(work.loss_force_W);
+  take(work.loss_torque_W);
   take(work.force_W);
   take(work.torque_W);
-  take(work.stability);
   take(work.contact_force_W[static_cast<std::size_t>(Partner::sprocket)]);
 }
 
@@ -126,12 +172,18 @@ void touch_surface(const Wheel& wheel, const Lanes& depth, const Lanes& normal_x
   const Lanes factor = normal_factor(law, closing), force = elastic * factor;
   const Lanes3 slip{velocity.x + closing * normal_x, velocity.y, velocity.z + closing * normal_z};
   const Lanes slip2 = dot(slip, slip), q = sliding_friction(law, force, slip2);
-  pushed.force.x += force * normal_x - q * slip.x;
-  pushed.force.y -= q * slip.y;
-  pushed.force.z += force * normal_z - q * slip.z;
+  const Lanes3 normal{normal_x, 0.0, normal_z}, lost = (force - elastic) * normal - q * slip;
+  pushed.force = pushed.force + elastic * normal + lost;
+  pushed.lost = pushed.lost + lost;
   const LaneMask touching = 0.0 < depth;
-  pushed.stiffness += choose(touching, wheel.stiffness, 0.0);
-  pushed.damping += steepest_friction(law, force) + law.rate * elastic;
+  const Lanes stiffness = choose(touching, wheel.stiffness * factor.max(1.0), 0.0), damping = law.rate * elastic;
+  const Lanes friction = steepest_friction(law, force);
+  pushed.stiffness.add(stiffness, normal_x, normal_z);
+  pushed.damping.add(damping, normal_x, normal_z);
+  pushed.damping.add(friction, normal_z, -normal_x);
+  pushed.normal_stiffness += stiffness;
+  pushed.normal_damping += damping;
+  pushed.friction += friction;
   sums.energy += 0.5 * elastic * depth;
   sums.contact_power += elastic * (factor - 1.0) * closing;
   sums.friction_power += q * slip2;
@@ -178,7 +230,12 @@ void meet_sides(const Wheel& wheel, const Pins& pins, const State& state, Sums& 
   const Lanes magnitude = dot(elastic, elastic).sqrt();
   const Lanes closing = -dot(elastic, relative_velocity(wheel, pins, state, work)) / magnitude.max(k_least_force);
   const Lanes factor = normal_factor(sprocket.contact, closing);
-  push_pins(wheel, pins, {factor * elastic, choose(touching, k, zero), zero}, work);
+  PinForce pushed;
+  pushed.force = factor * elastic;
+  pushed.lost = (factor - 1.0) * elastic;
+  pushed.side_stiffness = choose(touching, k, zero);
+  pushed.side_damping = sprocket.contact.rate * magnitude;
+  push_pins(wheel, pins, pushed, work);
   sums.energy += 0.5 * normal * depth;
   sums.contact_power += magnitude * (factor - 1.0) * closing;
   count_case(work, ContactCase::sprocket_side_left, touched & bits_of(to_left));

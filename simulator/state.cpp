@@ -1,5 +1,6 @@
 #include "simulator/state.h"
 
+#include "simulator/stability.h"
 #include "simulator/workspace.h"
 
 namespace grouser {
@@ -63,6 +64,12 @@ Workspace make_workspace(const System& system) {
   work.joint_damping = Field(k_num_axes, n);
   work.force_W = Field(3, n);
   work.torque_W = Field(3, n);
+  work.loss_force_W = Field(3, n);
+  work.loss_torque_W = Field(3, n);
+  work.plane_stiffness = Field(k_plane_rows, n);
+  work.plane_damping = Field(k_plane_rows, n);
+  work.side_stiffness = Field(3, n);
+  work.side_damping = Field(3, n);
   work.stability = Field(2, n);
   for (Field& box : work.box) box = Field(4, padded_length(n / k_lanes));
   for (Field& field : work.contact_force_W) field = Field(3, n);
@@ -72,7 +79,7 @@ Workspace make_workspace(const System& system) {
           track.bushing[a].branches.size());
     }
   }
-  work.rim_damping.assign(system.tree.bodies.size(), 0.0);
+  work.rim.resize(system.tree.bodies.size());
   work.prescribed_acceleration.assign(system.tree.bodies.size(), 0.0);
   return work;
 }

@@ -9,6 +9,7 @@
 #include "simulator/contacts.h"
 #include "simulator/drive.h"
 #include "simulator/links.h"
+#include "simulator/stability.h"
 #include "simulator/suspension.h"
 
 namespace grouser {
@@ -18,8 +19,10 @@ void reset(Workspace& work) {
   work.energy = {};
   work.force_W.fill(0.0);
   work.torque_W.fill(0.0);
-  work.stability.fill(0.0);
-  std::fill(work.rim_damping.begin(), work.rim_damping.end(), 0.0);
+  for (Field* field : {&work.loss_force_W, &work.loss_torque_W, &work.plane_stiffness, &work.plane_damping,
+                       &work.side_stiffness, &work.side_damping, &work.stability})
+    field->fill(0.0);
+  std::fill(work.rim.begin(), work.rim.end(), RimSums{});
   work.largest_stable_step = std::numeric_limits<double>::infinity();
   work.bounding = {};
   work.bottomed_unit = -1;
@@ -48,30 +51,6 @@ void chassis_accelerations(const System& system, const AssemblyKnobs& knobs, con
   for (Eigen::Index j = 0; j < a.joint.size(); ++j) {
     if (!system.tree.bodies[static_cast<std::size_t>(j)].prescribed)
       a.joint[j] -= knobs.mass_damping * state.chassis.rate[j];
-  }
-}
-
-/// Friction between a wheel's rims and the links that it meets: all of it acts on the wheel's one spin, so that a light
-/// idler is shaken before any of its links is. n links with slopes c against a spin of inertia J fall together at the
-/// rate n c R^2 / J + c / m_link, with m_link what a link sets against a push along its wheel path; a link's slope is
-/// at most that of two discs. The rate is exact where the links' bounds are pessimistic by 1.5 at least (P 3); it is
-/// taken 1.5 times as large, so that one stability_fraction serves both.
-void bound_wheel_spins(const System& system, Workspace& work) {
-  constexpr double k_pessimism = 1.5;
-  for (const CompiledTrack& track : system.tracks) {
-    const double height = track.wheel_path_height,
-                 link_mobility = 1.0 / track.mass + height * height / track.inertia.y();
-    for (const CompiledDiscs& discs : track.discs) {
-      const TreeBody& wheel = system.tree.bodies[static_cast<std::size_t>(discs.body)];
-      const double damping = work.rim_damping[static_cast<std::size_t>(discs.body)];
-      const double of_spin = discs.radius * discs.radius / wheel.axis.dot(wheel.inertia * wheel.axis);
-      const double of_link = std::min(damping, 2.0 * discs.contact.friction_slope_limit) * link_mobility;
-      const double h = stable_step(system.scenario.integrator.beta, 0.0, k_pessimism * (damping * of_spin + of_link));
-      if (h < work.largest_stable_step) {
-        work.largest_stable_step = h;
-        work.bounding = {-1, discs.body};
-      }
-    }
   }
 }
 
@@ -172,7 +151,7 @@ void evaluate(const System& system, const AssemblyKnobs& knobs, const History& b
   sum_joint_forces(system, work);
   chassis_accelerations(system, knobs, state, work, acceleration);
   link_accelerations(system, knobs, state, work, acceleration);
-  bound_wheel_spins(system, work);
+  bound_step(system, !knobs.rubber_memory, work);
 }
 
 double advance(const System& system, double h, double previous_h, const State& now, const Acceleration& f_now,
@@ -260,6 +239,9 @@ StepStatus Stepper::step(double until) {
       worst_ = {-1, next_work.bottomed_unit};
       return StepStatus::bottomed;
     }
+    next_work.energy.contact_step_loss =
+        contact_step_loss(system_, step_weights(options.beta, h, previous_h_), now, works_[now_],
+                          accelerations_[f_now_], accelerations_[f_before_], next, next_work);
     last_limit_ = h < h_ ? StepLimit::end : limit_;
     last_limiting_ = limiting_;
     last_error_ = ratio;

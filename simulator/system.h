@@ -40,6 +40,11 @@ struct CompiledContact {
   double friction_slope_limit = 2e4;
 };
 
+/// How the stability bound shares a contact between link and wheel (simulator/stability.h): factors of its slopes.
+struct ContactShare {
+  double link = 1.0, wheel = 0.0;
+};
+
 /// A disc pair that a track runs over.
 enum class Partner { road_wheel, support_roller, idler, sprocket, guide, ground };
 inline constexpr int k_num_partners = 6;
@@ -52,6 +57,7 @@ struct CompiledDiscs {
   double disc_offset = 0.0;  ///< m, lateral position of each disc's middle
   double half_gap = 0.0;     ///< m
   CompiledContact contact;
+  ContactShare share;
 };
 
 /// The gap between two sprocket teeth in its own frame: X radial outwards through the gap's middle, Y tangential.
@@ -68,6 +74,7 @@ struct CompiledSprocket {
   double ring_offset = 0.0;
   double side_clearance = 0.0, side_stiffness = 0.0;
   CompiledContact contact;  ///< stiffness per ring
+  ContactShare share;
 };
 
 /// How two links are joined.

@@ -48,7 +48,7 @@ struct EnergyTerms {
   double input_power = 0.0;                                                             ///< W, at the sprockets' joints
   double bushing_power = 0.0, contact_power = 0.0, friction_power = 0.0, ground_power = 0.0;  ///< W lost, >= 0
   double suspension_power = 0.0, tensioner_power = 0.0, assembly_power = 0.0;                 ///< W lost, >= 0
-  double bushing_step_loss = 0.0, ground_step_loss = 0.0;                                     ///< J lost in the step
+  double bushing_step_loss = 0.0, ground_step_loss = 0.0, contact_step_loss = 0.0;            ///< J lost in the step
   [[nodiscard]] double stored() const { return kinetic + gravity + bushing + suspension + contact; }
 };
 
@@ -56,6 +56,13 @@ struct EnergyTerms {
 struct Part {
   int link = -1;  ///< link array index
   int body = -1;  ///< tree body
+};
+
+/// Slopes of the contacts on a wheel's rims, summed for the stability bound.
+struct RimSums {
+  double spin = 0.0, both = 0.0;  ///< friction on the wheel's spin, and between that and its centre [N s/m]
+  double damping = 0.0;           ///< friction and damping along the way that the wheel's centre can go [N s/m]
+  double stiffness = 0.0;         ///< ditto [N/m]
 };
 
 /// Knobs that only assembly turns.
@@ -91,12 +98,17 @@ struct Workspace {
   /// Around each block of eight links and the link ahead: least and largest x, least and largest z, W [m] (4 x blocks
   /// of a track), by place_links.
   std::array<Field, k_num_sides> box;
-  Field force_W;    ///< total on each link [N], W (3 x links), by contacts and sum_forces
-  Field torque_W;   ///< about its centre [N m], W (3 x links)
-  Field stability;  ///< sums of k/m and c/m over contacts and joints [1/s^2, 1/s] (2 x links)
+  Field force_W;          ///< total on each link [N], W (3 x links), by contacts and sum_forces
+  Field torque_W;         ///< about its centre [N m], W (3 x links)
+  Field loss_force_W;     ///< part of force_W that contacts lose energy by: damping, friction [N], W (3 x links)
+  Field loss_torque_W;    ///< ditto of torque_W [N m]
+  Field plane_stiffness;  ///< blocks of x, z and pitch, by contacts and bound_step (rows of PlaneRow x links)
+  Field plane_damping;    ///< ditto
+  Field side_stiffness;   ///< over inertia: aside, about x and z, both [1/s^2] (3 x links), by the same
+  Field side_damping;     ///< ditto [1/s]
+  Field stability;        ///< sums of k/m and c/m of contacts in any direction [1/s^2, 1/s] (2 x links), by contacts
   std::array<Field, k_num_partners> contact_force_W;  ///< by partner [N], W (3 x links)
-  std::vector<double> rim_damping;  ///< sum of the friction slopes on a wheel's rims [N s/m] (tree bodies), by
-                                    ///< disc_contacts
+  std::vector<RimSums> rim;                           ///< (tree bodies), by disc_contacts and sprocket_contacts
 
   /// Maxwell constants for the step's length, by side and axis, by bushing_forces.
   std::array<std::array<AxisBranches, k_num_axes>, k_num_sides> branch_step;
@@ -105,7 +117,7 @@ struct Workspace {
   std::array<double, k_num_sides>
       lateral_guide_offset{};  ///< largest |y| of a link engaged with a wheel [m], by guide_contacts
   std::array<long, k_num_contact_cases> case_count{};  ///< this evaluation
-  double largest_stable_step = 0.0;                    ///< s, by contacts and link_accelerations (pessimistic bound)
+  double largest_stable_step = 0.0;                    ///< s, by bound_step, below the true one
   Part bounding;                                       ///< what set it
   int bottomed_unit = -1;  ///< tree body of an arm whose gas unit has no volume left, by suspension_forces
 };

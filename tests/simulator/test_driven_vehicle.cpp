@@ -10,11 +10,9 @@ namespace grouser::test {
 namespace {
 
 System with_drive(const DriveTable& table) {
-  System system = reference_scene().system;
-  system.scenario.drive.fill(table);
-  for (const int sprocket : system.sprocket_body)
-    system.tree.bodies[static_cast<std::size_t>(sprocket)].prescribed = false;
-  return system;
+  Scenario scenario = reference_scene().system.scenario;
+  scenario.drive.fill(table);
+  return compile(scenario);
 }
 
 double speed(const System& system, const State& state) {

@@ -82,7 +82,7 @@ Study make_study(bool smoke) {
   const auto coarse_to_fine =
       smoke ? std::vector{shipped.velocity_tolerance, 0.003} : std::vector{0.1, 0.03, 0.01, 0.005, 0.002, 0.001};
   for (const double tolerance : coarse_to_fine) study.ladder.tolerances.push_back(tolerance_rung(shipped, tolerance));
-  for (const double fraction : smoke ? std::vector{1.5} : std::vector{1.5})
+  for (const double fraction : smoke ? std::vector{1.1} : std::vector{1.1})
     study.ladder.bounds.push_back(bound_rung(shipped, fraction));
   for (const double step : smoke ? std::vector{1e-4, 8e-5} : std::vector{1.6e-4, 1.2e-4, 8e-5, 4e-5, 2e-5})
     study.ladder.fixed_steps.push_back(fixed_rung(shipped, step));
