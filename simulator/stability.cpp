@@ -152,6 +152,7 @@ struct LinkSums {
     Lanes last_value = largest_at(last), rate = last * (0.25 * last_value.min(4.0)).sqrt();
     for (int n = 0; n < k_secants; ++n) {
       const Lanes value = largest_at(rate), step = rate - last, change = value - last_value;
+      if (bits_of((value - 4.0).abs() > 1e-12) == 0) break;
       const LaneMask moved = change.abs() > 1e-12;
       last = rate;
       last_value = value;
@@ -200,9 +201,9 @@ bool has_dampers(const CompiledTrack& track) {
 void bound_wheel(const System& system, int body, double radius, const ContactShare& share, Workspace& work) {
   const RimSums& rim = work.rim[static_cast<std::size_t>(body)];
   const WheelMobility m = wheel_mobility(system.tree, body, radius);
-  const double spin = m.spin * rim.spin, center = m.center * rim.damping,
+  const double spin = m.spin * rim.spin, center = m.center * rim.damping, half = 0.5 * (spin - center),
                both = std::sqrt(m.spin * m.center) * rim.both;
-  const double s1 = share.wheel * (0.5 * (spin + center) + std::hypot(0.5 * (spin - center), both)),
+  const double s1 = share.wheel * (0.5 * (spin + center) + std::sqrt(half * half + both * both)),
                s2 = share.wheel * m.center * rim.stiffness;
   const double h = stable_step(system.scenario.integrator.beta, s2, s1);
   if (h >= work.largest_stable_step) return;
@@ -223,7 +224,11 @@ Lanes largest_eigenvalue(const PlaneBlock& a) {
   const Lanes determinant = x * (y * z - yz2) - z * xy2 - y * xz2 + 2.0 * a[k_xz] * a[k_x_pitch] * a[k_z_pitch];
   const Lanes d = (0.5 * determinant / (p * p * p)).max(-1.0).min(1.0);
   Lanes r = (1.7320508075688773 + (1.0 / 3.0) * d).min(2.0);  // the tangent at d = 0 of a concave function
-  for (int n = 0; n < 8; ++n) r = (2.0 / 3.0) * (r * r * r + d) / (r * r - 1.0);
+  for (int n = 0; n < 8; ++n) {
+    const Lanes next = (2.0 / 3.0) * (r * r * r + d) / (r * r - 1.0);
+    if (bits_of(next < r) == 0) break;  // it falls until round-off
+    r = next;
+  }
   return mean + p * r;
 }
 
@@ -232,7 +237,8 @@ ContactShare contact_share(const Tree& tree, int body, double radius, double lin
   return {1.0 + e, e > 0.0 ? 1.0 + 1.0 / e : 0.0};
 }
 
-void bound_step(const System& system, bool relaxed, Workspace& work) {
+void bound_step(const System& system, bool relaxed, double longest, Workspace& work) {
+  work.largest_stable_step = longest;
   for (const CompiledTrack& track : system.tracks) {
     add_track_joints(track, work.joint_stiffness, {work.plane_stiffness, work.side_stiffness}, work);
     if (relaxed || has_dampers(track)) {

@@ -54,8 +54,8 @@ inline void add_side(Field& blocks, int first, const SideMobility& m, const Lane
                                          double num_links);
 
 /// Puts the joints' tangents into the blocks of their links, then finds the largest stable step of all links and
-/// wheels, and whose it is. `relaxed`: the rubber has the plain damper of assembly.
-void bound_step(const System& system, bool relaxed, Workspace& work);
+/// wheels up to `longest` [s], and whose it is. `relaxed`: the rubber has the plain damper of assembly.
+void bound_step(const System& system, bool relaxed, double longest, Workspace& work);
 
 /// The largest eigenvalue of eight symmetric 3 x 3 matrices, to round-off (0.2 % too large where the two largest are
 /// equal): Newton's method on the characteristic polynomial, from above the largest of its real roots, stays above.

@@ -23,7 +23,6 @@ void reset(Workspace& work) {
                        &work.side_stiffness, &work.side_damping, &work.stability})
     field->fill(0.0);
   std::fill(work.rim.begin(), work.rim.end(), RimSums{});
-  work.largest_stable_step = std::numeric_limits<double>::infinity();
   work.bounding = {};
   work.bottomed_unit = -1;
   for (Field& field : work.contact_force_W) field.fill(0.0);
@@ -136,6 +135,14 @@ bool finite(const Acceleration& acceleration) {
                        sum(acceleration.linear.data()) + sum(acceleration.angular.data()));
 }
 
+/// After a step of length h none is taken that is longer than the growth limit lets it be: what is stable beyond that
+/// (and a little, to tell which of both limits the next step) need not be known.
+double longest_of_interest(const IntegratorOptions& options, double h) {
+  constexpr double k_more = 1.001;
+  return h > 0.0 && options.fixed_step == 0.0 ? k_more * options.growth_limit * h / options.stability_fraction
+                                              : std::numeric_limits<double>::infinity();
+}
+
 }  // namespace
 
 void evaluate(const System& system, const AssemblyKnobs& knobs, const History& before, double h, State& state,
@@ -151,7 +158,7 @@ void evaluate(const System& system, const AssemblyKnobs& knobs, const History& b
   sum_joint_forces(system, work);
   chassis_accelerations(system, knobs, state, work, acceleration);
   link_accelerations(system, knobs, state, work, acceleration);
-  bound_step(system, !knobs.rubber_memory, work);
+  bound_step(system, !knobs.rubber_memory, longest_of_interest(system.scenario.integrator, h), work);
 }
 
 double advance(const System& system, double h, double previous_h, const State& now, const Acceleration& f_now,
