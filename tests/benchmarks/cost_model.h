@@ -16,8 +16,8 @@ struct Cost {
   }
 };
 
-/// Of every stage by its name. Counted by hand from the formulas in the stages' sources, to about a tenth. A touching
-/// window or block counts with all its eight lanes: the lanes that touch nothing are part of what the method costs.
+/// Of every stage by its name: what its formulas need, counted by hand to about a tenth. Only what touches counts, not
+/// lanes that touch nothing nor the search for who is near.
 [[nodiscard]] std::map<std::string, Cost> count_costs(const Scene& scene);
 
 /// What this machine can do on one core, measured: per second.

@@ -1,9 +1,11 @@
 /// Prints the tables of docs/performance.md: every stage of a step against the limit of this machine, run A as a whole,
 /// and how cost grows with the number of vehicles and falls with threads. Processor time, but where wall time is named.
+/// performance_table [run] [stages] [scaling] [parallel]: these only.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <limits>
 #include <string>
@@ -22,7 +24,7 @@ using namespace grouser::benchmarks;
 constexpr double k_endless = std::numeric_limits<double>::infinity();
 
 void print_stages(const Machine& machine) {
-  fmt::print("Machine, one core: {:.1f} G operations/s, {:.2f} G divisions and roots/s, {:.0f} GB/s.\n\n",
+  fmt::print("\nMachine, one core: {:.1f} G operations/s, {:.2f} G divisions and roots/s, {:.0f} GB/s.\n\n",
              1e-9 * machine.operations, 1e-9 * machine.roots, 1e-9 * machine.bytes);
   fmt::print("| stage | operations | divisions, roots | bytes | limit [us] | measured [us] | multiple |\n");
   fmt::print("| --- | ---: | ---: | ---: | ---: | ---: | ---: |\n");
@@ -131,14 +133,17 @@ void print_parallel(const std::filesystem::path& folder) {
 
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+  const std::vector<std::string> asked(argv + 1, argv + argc);
+  const auto wanted = [&](const char* part) {
+    return asked.empty() || std::find(asked.begin(), asked.end(), part) != asked.end();
+  };
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / fmt::format("grouser_performance_{}", getpid());
-  print_run(folder);  // processes first: they are copies of this one
-  print_parallel(folder);
+  if (wanted("run")) print_run(folder);  // first: its process begins as a copy of this one
+  if (wanted("stages")) print_stages(measure_machine());
+  if (wanted("scaling")) print_scaling();
+  if (wanted("parallel")) print_parallel(folder);
   std::filesystem::remove_all(folder);
-  print_scaling();
-  fmt::print("\n");
-  print_stages(measure_machine());
   return 0;
 }
