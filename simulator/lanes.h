@@ -108,6 +108,11 @@ class Lanes {
   std::memcpy(&values, from, sizeof(values));
   return values;
 }
+/// One number from each of eight places of an array.
+[[nodiscard]] inline Lanes gather(const double* from, const std::array<int, k_lanes>& at) {
+  return Lanes::Values{from[at[0]], from[at[1]], from[at[2]], from[at[3]],
+                       from[at[4]], from[at[5]], from[at[6]], from[at[7]]};
+}
 inline void store(double* to, const Lanes& value) { std::memcpy(to, &value.values(), sizeof(Lanes)); }
 inline void add_to(double* to, const Lanes& value) { store(to, load(to) + value); }
 /// Four numbers, in both halves of the lanes: for what four links meet twice.

@@ -1,7 +1,7 @@
 #include "simulator/state.h"
 
 #include "simulator/stability.h"
-#include "simulator/workspace.h"
+#include "simulator/suspension.h"
 
 namespace grouser {
 
@@ -51,6 +51,7 @@ Workspace make_workspace(const System& system) {
   const int n = system.link_array_length;
   Workspace work;
   work.chassis = make_workspace(system.tree);
+  work.suspension = arrange_springs(system.suspension);
   work.rotation = Field(9, n);
   for (const int diagonal : {0, 4, 8}) std::fill(work.rotation[diagonal], work.rotation[diagonal] + n, 1.0);
   work.angular_velocity_W = Field(3, n);

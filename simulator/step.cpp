@@ -153,7 +153,7 @@ void evaluate(const System& system, const AssemblyKnobs& knobs, const History& b
   disc_contacts(system, knobs, state, work);
   sprocket_contacts(system, knobs, state, work);
   ground_contacts(system, before, h, state, work);
-  suspension_forces(system, knobs, state, work);
+  suspension_forces(knobs, state, work);
   drive_sprockets(system, state, work, acceleration);
   sum_joint_forces(system, work);
   chassis_accelerations(system, knobs, state, work, acceleration);

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "model/bushing_law.h"
+#include "simulator/spring_block.h"
 #include "simulator/state.h"
 
 namespace grouser {
@@ -81,7 +82,8 @@ struct AxisBranches {
 
 /// Overwritten by every evaluation; each array says its shape, unit, frame and which stage writes it.
 struct Workspace {
-  TreeWorkspace chassis;  ///< by place_bodies, chassis_accelerations
+  TreeWorkspace chassis;                ///< by place_bodies, chassis_accelerations
+  std::vector<SpringBlock> suspension;  ///< joint springs in lanes; constant, by make_workspace
 
   Field rotation;             ///< link -> W, row-major (9 x links), by place_bodies
   Field angular_velocity_W;   ///< rad/s, W (3 x links), by place_bodies

@@ -40,7 +40,7 @@ constexpr Stage k_stages[] = {
     {"discs and guides", [](Scene& s) { disc_contacts(s.system, s.knobs, s.state, s.work); }},
     {"sprockets", [](Scene& s) { sprocket_contacts(s.system, s.knobs, s.state, s.work); }},
     {"ground", [](Scene& s) { ground_contacts(s.system, s.before.history, k_step, s.state, s.work); }},
-    {"suspension", [](Scene& s) { suspension_forces(s.system, s.knobs, s.state, s.work); }},
+    {"suspension", [](Scene& s) { suspension_forces(s.knobs, s.state, s.work); }},
     {"drive", [](Scene& s) { drive_sprockets(s.system, s.state, s.work, s.acceleration); }},
     {"sums over joints", [](Scene& s) { sum_joint_forces(s.system, s.work); }},
     {"chassis accelerations",

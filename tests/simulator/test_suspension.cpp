@@ -3,13 +3,63 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "simulator/drive.h"
+#include "simulator/lane_exponential.h"
 #include "tests/support/scenes.h"
 #include "tests/support/suspension_scene.h"
 
 namespace grouser::test {
 namespace {
+
+TEST(LaneExponential, AgreesWithTheLibraryToItsLastDigits) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> power(-500.0, 500.0), near(-1.0, 1.0);
+  constexpr double k_ulp = 2.3e-16;
+  for (int n = 0; n < 4000; ++n) {
+    const double x = n % 2 == 0 ? power(random) : near(random);
+    ASSERT_NEAR(exponential(x)[0] / std::exp(x), 1.0, k_ulp) << x;
+    const double y = std::exp(x), log_y = std::log(y);
+    ASSERT_NEAR(natural_logarithm(y)[0], log_y, k_ulp * std::abs(log_y)) << y;
+  }
+  EXPECT_EQ(exponential(0.0)[3], 1.0);
+  EXPECT_EQ(natural_logarithm(1.0)[3], 0.0);
+}
+
+TEST(Suspension, SpringsOfEveryKindSideBySideActAsTheyDoAlone) {
+  std::vector<CompiledSuspension> springs;
+  for (int i = 0; i < 11; ++i) {  // a block and a part of one
+    springs.push_back(i % 3 == 0 ? gas_unit() : torsion_bar());
+    springs.back().bump_sign = i % 2 == 0 ? 1.0 : -1.0;
+  }
+  springs[7].kind = JointSpring::tensioner;
+  springs[7].bump_sign = 1.0;
+  springs[7].side = Side::right;
+  springs[7].tensioner_stiffness = 7e5;
+  springs[7].tensioner_damping = 2e3;
+  const std::vector<SpringBlock> blocks = arrange_springs(springs);
+  ASSERT_EQ(blocks.size(), 2u);
+  EXPECT_EQ(blocks[1].count, 3);
+  Lanes angle, rate;
+  for (int lane = 0; lane < k_lanes; ++lane) {
+    angle.set(lane, -0.7 + 0.19 * lane);
+    rate.set(lane, 3.0 - 0.9 * lane);
+  }
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    const SpringMoments together = spring_moments(blocks[b], {0.4, 0.1}, angle, rate);
+    for (int lane = 0; lane < blocks[b].count; ++lane) {
+      const CompiledSuspension& spring = springs[b * k_lanes + static_cast<std::size_t>(lane)];
+      const SpringMoment alone = tensioner_moment(spring, 0.1, angle[lane], rate[lane]);
+      EXPECT_DOUBLE_EQ(together.moment[lane], alone.moment);
+      EXPECT_DOUBLE_EQ(together.energy[lane], alone.energy);
+      EXPECT_DOUBLE_EQ(together.loss[lane], alone.loss);
+    }
+  }
+  const SpringMoments last = spring_moments(blocks[1], {0.4, 0.1}, angle, rate);
+  EXPECT_EQ(last.energy[5], 0.0);  // lanes without a joint carry nothing
+  EXPECT_EQ(last.loss[5], 0.0);
+}
 
 TEST(TorsionBar, CarriesTheWheelLoadOfTheDesignTable) {
   // D 4.1: 15.813 kN m at 25 degrees, 38.77 kN at the wheel, 256.3 kN/m, droop of 0.117 m to the free angle.

@@ -4,10 +4,10 @@
 
 #include "model/errors.h"
 #include "simulator/failures.h"
-#include "simulator/suspension.h"
 #include "simulator/track_path.h"
 #include "simulator/track_watch.h"
 #include "tests/support/allocation_count.h"
+#include "tests/support/suspension_scene.h"
 #include "tests/support/vehicle_scene.h"
 
 namespace grouser::test {

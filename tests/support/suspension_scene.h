@@ -38,6 +38,38 @@ inline CompiledSuspension gas_unit() {
   return s;
 }
 
+/// One joint spring by itself.
+struct SpringMoment {
+  double moment, energy, loss;
+  bool bottomed;
+};
+inline SpringMoment tensioner_moment(const CompiledSuspension& s, double reference, double angle, double rate) {
+  const SpringMoments m =
+      spring_moments(arrange_springs(std::span(&s, 1)).front(), {reference, reference}, angle, rate);
+  return {m.moment[0], m.energy[0], m.loss[0], (bits_of(m.bottomed) & 1u) != 0};
+}
+inline SpringMoment station_moment(const CompiledSuspension& s, double angle, double rate) {
+  return tensioner_moment(s, 0.0, angle, rate);
+}
+
+/// One gas unit by itself.
+inline GasUnits alone(const Hydropneumatic& unit) {
+  CompiledSuspension s;
+  s.kind = JointSpring::hydropneumatic;
+  s.unit = unit;
+  return arrange_springs(std::span(&s, 1)).front().gas;
+}
+struct Stroke {
+  double stroke, lever;
+};
+inline Stroke piston_stroke(const Hydropneumatic& unit, double bump_angle) {
+  const Strokes strokes = piston_strokes(alone(unit), bump_angle);
+  return {strokes.stroke[0], strokes.lever[0]};
+}
+inline double damper_pressure(const Hydropneumatic& unit, double flow) {
+  return grouser::damper_pressure(alone(unit), flow)[0];
+}
+
 /// Vertical wheel force [N] that balances the spring at a bump angle.
 inline double wheel_force(const CompiledSuspension& s, double bump) {
   return -station_moment(s, bump, 0.0).moment / (k_arm * std::cos(k_design - bump));
