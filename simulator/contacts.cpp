@@ -14,9 +14,7 @@ void note_losses(Workspace& work, int first, const LinkLoads& lost_W) {
 }
 
 void push_body(Workspace& work, int body, const BodyLoad& load) {
-  Vector6d& on_body = work.chassis.force[static_cast<std::size_t>(body)];
-  on_body.head<3>() += sum_of_lanes(load.about_base);
-  on_body.tail<3>() += sum_of_lanes(load.force);
+  work.chassis.add_force(body, sum_of_lanes(load.about_base), sum_of_lanes(load.force));
 }
 
 std::uint64_t blocks_near(const CompiledTrack& track, const Workspace& work, const Vector3d& center, double radius) {

@@ -270,10 +270,10 @@ struct Reach {
 
 /// Unit vector along which the centre of a wheel can go on its arm, in W; 0 on the hull.
 Vector3d way_of_center(const Tree& tree, int body, const TreeWorkspace& work) {
-  const auto b = static_cast<std::size_t>(body);
-  if (tree.bodies[b].parent < 0) return Vector3d::Zero();
-  const Vector3d arm = work.origin_W[b] - work.origin_W[static_cast<std::size_t>(tree.bodies[b].parent)];
-  return work.rotation[b].col(1).cross(arm).normalized();
+  const int carrier = tree.bodies[static_cast<std::size_t>(body)].parent;
+  if (carrier < 0) return Vector3d::Zero();
+  const Vector3d arm = work.origin_W(body) - work.origin_W(carrier);
+  return work.rotation(body).col(1).cross(arm).normalized();
 }
 
 void track_discs(const Tree& tree, const CompiledTrack& track, double stiffness_scale, const State& state,
@@ -281,11 +281,9 @@ void track_discs(const Tree& tree, const CompiledTrack& track, double stiffness_
   const Mobility mobility{1.0 / track.mass, 1.0 / track.inertia.x(), 1.0 / track.inertia.z()};
   TrackSums sums;
   for (const CompiledDiscs& discs : track.discs) {
-    const auto body = static_cast<std::size_t>(discs.body);
-    const Vector3d& from_base = work.chassis.origin_W[body];  // a copy would be read before it is written
-    const Vector3d center_W = state.chassis.position + from_base;
-    const Lanes3 axle_W = in_all_lanes(work.chassis.rotation[body].col(1));
-    const Lanes3 spin_W = in_all_lanes(work.chassis.angular_velocity_W[body]);
+    const Vector3d from_base = work.chassis.origin_W(discs.body), center_W = state.chassis.position + from_base;
+    const Lanes3 axle_W = in_all_lanes(work.chassis.rotation(discs.body).col(1));
+    const Lanes3 spin_W = in_all_lanes(work.chassis.angular_velocity_W(discs.body));
     const Lanes3 velocity_W = in_all_lanes(work.chassis.velocity_at(discs.body, from_base));
     const Lanes3 way_W = in_all_lanes(way_of_center(tree, discs.body, work.chassis));
     const Reach reach(track, discs);

@@ -307,13 +307,13 @@ ToothContact touch_tooth(const CompiledSprocket& sprocket, const Lanes& x, const
 void sprocket_contacts(const System& system, const AssemblyKnobs& knobs, const State& state, Workspace& work) {
   for (const CompiledTrack& track : system.tracks) {
     const CompiledSprocket& sprocket = track.sprocket;
-    const auto body = static_cast<std::size_t>(sprocket.body);
+    const Vector6d velocity = work.chassis.velocity(sprocket.body);
     const Wheel wheel{track,
                       knobs.stiffness_scale * sprocket.contact.stiffness,
-                      work.chassis.origin_W[body],
-                      work.chassis.rotation[body],
-                      work.chassis.velocity[body].tail<3>(),
-                      work.chassis.velocity[body].head<3>()};
+                      work.chassis.origin_W(sprocket.body),
+                      work.chassis.rotation(sprocket.body),
+                      velocity.tail<3>(),
+                      velocity.head<3>()};
     const LinkBodies &links = track.bodies.front(), &connectors = track.bodies.back();
     const std::array<Bearer, 2> shoes{Bearer{links, 1, -track.groove, 0.5}, Bearer{links, 0, track.groove, 0.5}};
     const std::array<Bearer, 1> link{Bearer{links, 1, -track.groove, 1.0}};

@@ -77,7 +77,7 @@ struct Beside {
 Beside furthest_beside(const CompiledTrack& track, const State& state, const Workspace& work) {
   Beside worst{track.offset, track.discs.front().body, 0.0, 0.0};
   for (const CompiledDiscs& discs : track.discs) {
-    const Vector3d axle = state.chassis.position + work.chassis.origin_W[static_cast<std::size_t>(discs.body)];
+    const Vector3d axle = state.chassis.position + work.chassis.origin_W(discs.body);
     for (int i = track.offset; i < track.offset + track.num_links; ++i) {
       const Quaterniond q(state.orientation[0][i], state.orientation[1][i], state.orientation[2][i],
                           state.orientation[3][i]);
@@ -112,8 +112,7 @@ SpanTension sprocket_span_tension(const System& system, const State& state, cons
   const CompiledDiscs& wheel = wheel_next_to_sprocket(system, track);
   const Vector3d a = system.scenario.vehicle.side(side).sprocket.center;
   const Vector3d b =
-      work.chassis.base_rotation.transpose() * work.chassis.origin_W[static_cast<std::size_t>(wheel.body)] +
-      system.chassis_center_V;
+      work.chassis.base_rotation.transpose() * work.chassis.origin_W(wheel.body) + system.chassis_center_V;
   // Outer tangent below both: unit normal n with (b - a) . n = r_a - r_b, in the x-z plane.
   const double r_a = track.speed_per_sprocket_rate, r_b = wheel.radius + track.wheel_path_height;
   const double dx = b.x() - a.x(), dz = b.z() - a.z(), d = std::hypot(dx, dz), c = (r_a - r_b) / d;

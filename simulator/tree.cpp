@@ -1,112 +1,211 @@
 #include "simulator/tree.h"
 
-#include <Eigen/Cholesky>
-#include <algorithm>
-#include <array>
-
 #include "simulator/lane_trigonometry.h"
 
 namespace grouser {
 namespace {
 
-/// R A R^T for a symmetric A: six numbers.
-Matrix3d turned_tensor(const Matrix3d& R, const Matrix3d& A) {
-  const Matrix3d RA = R * A;
-  Matrix3d result;
-  for (int row = 0; row < 3; ++row) {
-    for (int column = row; column < 3; ++column) {
-      result(row, column) = result(column, row) = RA.row(row).dot(R.row(column));
-    }
-  }
-  return result;
+/// R times the rotation about `axis` by an angle (Rodrigues); axis_W = R axis.
+LaneMatrix turned(const LaneMatrix& R, const Lanes3& axis, const Lanes3& axis_W, const SineCosine& of_angle) {
+  const auto& [s, c] = of_angle;
+  const Lanes3 along = (1.0 - c) * axis_W, across = s * axis;
+  return {c * R.x + across.z * R.y - across.y * R.z + axis.x * along,
+          c * R.y + across.x * R.z - across.z * R.x + axis.y * along,
+          c * R.z + across.y * R.x - across.x * R.y + axis.z * along};
 }
 
-/// A rigid body in motion about the reference point: its mass, centre c and rotational inertia about c (all W).
-struct RigidBody {
-  double mass;
-  const Vector3d& center;
-  Matrix3d about_center;
+/// The same about y.
+LaneMatrix turned_about_y(const LaneMatrix& R, const SineCosine& of_angle) {
+  const auto& [s, c] = of_angle;
+  return {c * R.x - s * R.z, R.y, s * R.x + c * R.z};
+}
+
+/// What place_tree finds for one block.
+void place_block(const TreeBlock& block, const BlockFrame& parent, const Lanes& angle, const Lanes& rate,
+                 const Lanes3& gravity_W, BlockState& state) {
+  const LaneMatrix R_WP = parent.rotation;
+  const Lanes3 axis = block.about_y ? R_WP.y : R_WP * block.axis, origin = parent.origin_W + R_WP * block.origin;
+  const SineCosine turn = sine_cosine(angle);
+  const LaneMatrix rotation = block.about_y ? turned_about_y(R_WP, turn) : turned(R_WP, block.axis, axis, turn);
+  const Lanes3 center = origin + rotation * block.center_of_mass, weight = block.mass * gravity_W;
+  const LaneSpatial axis_W{axis, cross(origin, axis)}, joint_velocity = rate * axis_W,
+                                                       velocity = parent.velocity + joint_velocity;
+  state.frame = {rotation, origin, velocity};
+  state.center_W = center;
+  state.axis_W = axis_W;
+  state.bias = cross_motion(velocity, joint_velocity);
+  state.force = {cross(center, weight), weight};
+}
+
+/// A block's bodies by themselves: I = [J - m c~ c~, m c~; -m c~, m 1] and v x* I v - f. Adds to `energy`.
+void rigid_bodies(const TreeBlock& block, const BlockState& state, ArticulatedLoad& load, Lanes& energy) {
+  const Lanes3 c = state.center_W, mc = block.mass * c;
+  const Lanes xx = mc.x * c.x, yy = mc.y * c.y, zz = mc.z * c.z, zero = 0.0;
+  LaneTensor about_base = turned(state.frame.rotation, block.inertia);
+  about_base += {{yy + zz, zz + xx, xx + yy}, {-mc.y * c.z, -mc.x * c.z, -mc.x * c.y}};
+  const LaneSpatial velocity = state.frame.velocity;
+  const Lanes3 v = velocity.linear, w = velocity.angular;
+  const LaneSpatial momentum{about_base * w + cross(mc, v), block.mass * v + cross(w, mc)};
+  energy += 0.5 * dot(velocity, momentum);
+  load.inertia.rotation = about_base;
+  load.inertia.coupling = {{zero, mc.z, -mc.y}, {-mc.z, zero, mc.x}, {mc.y, -mc.x, zero}};
+  load.inertia.translation = {{block.mass, block.mass, block.mass}, {zero, zero, zero}};
+  load.bias = cross_force(velocity, momentum) - state.force;
+}
+
+/// Adds what a block and those that it bears put on what it hangs on: I^a and p^a. `given` is S q'' of prescribed
+/// joints.
+void fold(const TreeBlock& block, const ArticulatedLoad& own, const Lanes& torque, const LaneSpatial& given,
+          BlockState& state, ArticulatedLoad& parent) {
+  const LaneSpatial axis = state.axis_W, projected = own.inertia * axis;
+  // A joint of given motion yields nothing; 1 in place of the 0 of a lane without a body keeps the quotient finite.
+  const Lanes compliance = block.free / (dot(axis, projected) + (1.0 - block.free));
+  const Lanes axis_force = torque - dot(axis, own.bias);
+  const LaneSpatial yielding = compliance * projected;
+  state.projected = projected;
+  state.compliance = compliance;
+  state.axis_force = axis_force;
+  const LaneInertia left = less_product(own.inertia, yielding, projected);
+  parent.bias = parent.bias + (own.bias + left * (state.bias + given) + axis_force * yielding);
+  parent.inertia += left;
+}
+
+/// Prescribed accelerations of a block's joints, 0 for those that are free.
+Lanes given_motion(const TreeBlock& block, std::span<const double> prescribed_acceleration) {
+  if (!block.prescribes) return 0.0;
+  return choose(0.5 < block.free, 0.0, gather(prescribed_acceleration.data(), block.body));
+}
+
+using BaseLoads = std::array<ArticulatedLoad, 2>;  ///< of the base's children, by mirror group
+
+/// From the leaves to the base: what each body and those it carries put on its parent. Adds to `energy`.
+BaseLoads fold_to_base(std::span<const double> prescribed_acceleration, TreeWorkspace& work, Lanes& energy) {
+  BaseLoads base{};
+  for (std::size_t b = 0; b < work.blocks.size(); ++b) {
+    if (work.blocks[b].bears) work.states[b].borne = {};
+  }
+  for (std::size_t b = work.blocks.size(); b-- > 0;) {
+    const TreeBlock& block = work.blocks[b];
+    BlockState& state = work.states[b];
+    ArticulatedLoad own;
+    rigid_bodies(block, state, own, energy);
+    if (block.bears) {
+      own.inertia += state.borne.inertia;
+      own.bias = own.bias + state.borne.bias;
+    }
+    const LaneSpatial given = given_motion(block, prescribed_acceleration) * state.axis_W;
+    ArticulatedLoad& parent = block.parent < 0 ? base[static_cast<std::size_t>(block.mirror_group)]
+                                               : work.states[static_cast<std::size_t>(block.parent)].borne;
+    fold(block, own, gather(work.joint_torque.data(), block.body), given, state, parent);
+  }
+  return base;
+}
+
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+struct BaseEquation {
+  Matrix6d inertia;
+  Vector6d bias;
 };
 
-/// [J - m c~ c~, m c~; -m c~, m 1]
-void store_inertia(const RigidBody& body, PaddedMatrix& inertia) {
-  const double m = body.mass;
-  const Vector3d &c = body.center, mc = m * c;
-  const Matrix3d& J = body.about_center;
-  const double xx = mc.x() * c.x(), yy = mc.y() * c.y(), zz = mc.z() * c.z();
-  const double xy = J(0, 1) - mc.x() * c.y(), xz = J(0, 2) - mc.x() * c.z(), yz = J(1, 2) - mc.y() * c.z();
-  inertia.col(0) << J(0, 0) + yy + zz, xy, xz, 0.0, -mc.z(), mc.y(), 0.0, 0.0;
-  inertia.col(1) << xy, J(1, 1) + zz + xx, yz, mc.z(), 0.0, -mc.x(), 0.0, 0.0;
-  inertia.col(2) << xz, yz, J(2, 2) + xx + yy, -mc.y(), mc.x(), 0.0, 0.0, 0.0;
-  inertia.col(3) << 0.0, mc.z(), -mc.y(), m, 0.0, 0.0, 0.0, 0.0;
-  inertia.col(4) << -mc.z(), 0.0, mc.x(), 0.0, m, 0.0, 0.0, 0.0;
-  inertia.col(5) << mc.y(), -mc.x(), 0.0, 0.0, 0.0, m, 0.0, 0.0;
+/// A group's load summed over lanes: rotation and moment (x, y); coupling but for zz; translation, zz, moment z; force.
+std::array<Lanes, 4> sums_of_lanes(const ArticulatedLoad& load) {
+  const auto& [rotation, coupling, translation] = load.inertia;
+  const auto& [d, b] = rotation;
+  const auto& [x, y, z] = coupling;
+  const auto& [e, f] = translation;
+  const auto& [moment, force] = load.bias;
+  return {grouser::sums_of_lanes({d.x, d.y, d.z, b.x, b.y, b.z, moment.x, moment.y}),
+          grouser::sums_of_lanes({x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y}),
+          grouser::sums_of_lanes({e.x, e.y, e.z, f.x, f.y, f.z, z.z, moment.z}),
+          grouser::sums_of_lanes({force.x, force.y, force.z, 0.0, 0.0, 0.0, 0.0, 0.0})};
 }
 
-/// v x* (I v) less the applied force: what the body's own motion asks for at no acceleration. Adds to `energy`.
-PaddedVector velocity_product(const RigidBody& body, const Vector6d& velocity, const Vector6d& applied,
-                              double& energy) {
-  const Vector3d w = velocity.head<3>(), v = velocity.tail<3>();
-  const Vector3d momentum = body.mass * (v + w.cross(body.center));
-  const Vector3d angular = body.about_center * w + body.center.cross(momentum);
-  energy += 0.5 * (w.dot(angular) + v.dot(momentum));
-  PaddedVector force = PaddedVector::Zero();
-  force.head<3>() = w.cross(angular) + v.cross(momentum) - applied.head<3>();
-  force.segment<3>(3) = w.cross(momentum) - applied.tail<3>();
-  return force;
+/// Both groups summed over lanes, then together.
+BaseEquation sum_of_groups(const BaseLoads& groups) {
+  const std::array<Lanes, 4> left = sums_of_lanes(groups[0]), right = sums_of_lanes(groups[1]);
+  const Lanes r = left[0] + right[0], c = left[1] + right[1], t = left[2] + right[2], f = left[3] + right[3];
+  BaseEquation sum;
+  sum.inertia << r[0], r[5], r[4], c[0], c[3], c[6],  //
+      r[5], r[1], r[3], c[1], c[4], c[7],             //
+      r[4], r[3], r[2], c[2], c[5], t[6],             //
+      c[0], c[1], c[2], t[0], t[5], t[4],             //
+      c[3], c[4], c[5], t[5], t[1], t[3],             //
+      c[6], c[7], t[6], t[4], t[3], t[2];
+  sum.bias << r[6], r[7], t[7], f[0], f[1], f[2];
+  return sum;
 }
 
-/// R_WP times the rotation about `axis` by an angle of sine s and cosine c (Rodrigues).
-Matrix3d turned(const Matrix3d& R_WP, const Vector3d& axis, double s, double c) {
-  Matrix3d result;
-  if (axis == Vector3d::UnitY()) {  // most joints of a vehicle
-    result.col(0) = c * R_WP.col(0) - s * R_WP.col(2);
-    result.col(1) = R_WP.col(1);
-    result.col(2) = s * R_WP.col(0) + c * R_WP.col(2);
-    return result;
-  }
-  const Matrix3d about_axis = c * Matrix3d::Identity() + s * skew(axis) + (1.0 - c) * axis * axis.transpose();
-  return R_WP * about_axis;
-}
-
-void find_sines(const Eigen::VectorXd& angle, TreeWorkspace& work) {
-  const auto n = static_cast<std::size_t>(angle.size());
-  for (std::size_t first = 0; first < n; first += k_lanes) {
-    Lanes x = 0.0;
-    for (std::size_t i = first; i < std::min(n, first + k_lanes); ++i) {
-      x.set(static_cast<int>(i - first), angle[static_cast<Eigen::Index>(i)]);
+/// x of A x = b for a positive definite A = L D L^T, its pivots taken as they come, so that zeros that symmetry puts
+/// into A and b stay zeros.
+Vector6d solve(Matrix6d A, Vector6d x) {
+  Vector6d inverse;
+  for (int k = 0; k < 6; ++k) {
+    inverse[k] = 1.0 / A(k, k);
+    for (int i = k + 1; i < 6; ++i) {
+      const double factor = A(i, k) * inverse[k];
+      for (int j = i; j < 6; ++j) A(j, i) -= factor * A(j, k);
+      x[i] -= factor * x[k];
     }
-    const SineCosine of = sine_cosine(x);
-    store(&work.sine[first], of.sine);
-    store(&work.cosine[first], of.cosine);
+  }
+  for (int k = 5; k >= 0; --k) {
+    for (int i = k + 1; i < 6; ++i) x[k] -= A(i, k) * x[i];
+    x[k] *= inverse[k];
+  }
+  return x;
+}
+
+/// Spatial acceleration of the base; its parts go to `acceleration`.
+Vector6d accelerate_base(const Tree& tree, const TreeState& state, const BaseLoads& children, TreeWorkspace& work,
+                         TreeAcceleration& acceleration) {
+  const Matrix3d &R = work.base_rotation, inertia = R * tree.base_inertia * R.transpose();
+  const Vector3d &w = work.base_angular_velocity_W, angular_momentum = inertia * w;
+  work.kinetic_energy += 0.5 * (w.dot(angular_momentum) + tree.base_mass * state.velocity.squaredNorm());
+  acceleration.linear.setZero();
+  acceleration.angular.setZero();
+  if (tree.base_fixed) return Vector6d::Zero();
+  auto [total, bias] = sum_of_groups(children);
+  total.topLeftCorner<3, 3>() += inertia;
+  total.diagonal().tail<3>().array() += tree.base_mass;
+  bias.head<3>() += w.cross(angular_momentum);
+  bias.tail<3>() += tree.base_mass * w.cross(state.velocity);
+  const Vector6d spatial = solve(total, work.base_force - bias);
+  // The spatial acceleration's linear part is that of the point fixed in space; the centre of mass moves through it.
+  acceleration.linear = spatial.tail<3>() + w.cross(state.velocity);
+  acceleration.angular = R.transpose() * spatial.head<3>();
+  return spatial;
+}
+
+/// From the base to the leaves: joint accelerations, torques of prescribed joints.
+void unfold(std::span<const double> prescribed_acceleration, const Vector6d& base_acceleration, TreeWorkspace& work,
+            TreeAcceleration& acceleration) {
+  const LaneSpatial base{in_all_lanes(base_acceleration.head<3>()), in_all_lanes(base_acceleration.tail<3>())};
+  for (std::size_t b = 0; b < work.blocks.size(); ++b) {
+    const TreeBlock& block = work.blocks[b];
+    BlockState& state = work.states[b];
+    const LaneSpatial& parent =
+        block.parent < 0 ? base : work.states[static_cast<std::size_t>(block.parent)].acceleration;
+    const LaneSpatial carried = parent + state.bias;
+    state.joint_acceleration = (state.axis_force - dot(state.projected, carried)) * state.compliance +
+                               given_motion(block, prescribed_acceleration);
+    state.acceleration = carried + state.joint_acceleration * state.axis_W;
+    if (!block.prescribes) continue;
+    // S . p^A is what u lacks of the torque that was put in.
+    const Lanes torque =
+        dot(state.projected, state.acceleration) + gather(work.joint_torque.data(), block.body) - state.axis_force;
+    for (int lane = 0; lane < k_lanes; ++lane) {
+      const int body = block.body[static_cast<std::size_t>(lane)];
+      if (block.free[lane] == 0.0 && lane == work.place[static_cast<std::size_t>(body)].lane) {
+        work.joint_torque[body] = torque[lane];
+      }
+    }
+  }
+  for (std::size_t i = 0; i < work.place.size(); ++i) {
+    const auto [block, lane] = work.place[i];
+    acceleration.joint[static_cast<Eigen::Index>(i)] = work.states[block].joint_acceleration[lane];
   }
 }
 
 }  // namespace
-
-TreeWorkspace make_workspace(const Tree& tree) {
-  const std::size_t n = tree.bodies.size();
-  TreeWorkspace work;
-  const std::size_t whole_lanes = (n + k_lanes - 1) / k_lanes * k_lanes;
-  work.sine.resize(whole_lanes);
-  work.cosine.resize(whole_lanes);
-  work.rotation.resize(n);
-  work.origin_W.resize(n);
-  work.center_W.resize(n);
-  work.angular_velocity_W.resize(n);
-  work.velocity.resize(n);
-  work.axis_W.resize(n);
-  work.bias.resize(n);
-  work.force.resize(n);
-  work.joint_torque = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(n));
-  work.articulated.resize(n);
-  work.articulated_bias.resize(n);
-  work.projected.resize(n);
-  work.acceleration.resize(n);
-  work.axis_inertia.resize(n);
-  work.axis_force.resize(n);
-  return work;
-}
 
 TreeState make_state(const Tree& tree) {
   TreeState state;
@@ -115,151 +214,57 @@ TreeState make_state(const Tree& tree) {
 }
 
 void place_tree(const Tree& tree, const TreeState& state, const Vector3d& gravity_W, TreeWorkspace& work) {
-  work.base_rotation = state.orientation.toRotationMatrix();
-  work.base_angular_velocity_W = work.base_rotation * state.angular_velocity;
-  Vector6d base_velocity;
-  base_velocity << work.base_angular_velocity_W, state.velocity;
+  const Matrix3d R = state.orientation.toRotationMatrix();
+  work.base_rotation = R;
+  work.base_angular_velocity_W = R * state.angular_velocity;
   work.base_force << Vector3d::Zero(), tree.base_mass * gravity_W;
   work.joint_torque.setZero();
-  find_sines(state.angle, work);
-  for (std::size_t i = 0; i < tree.bodies.size(); ++i) {
-    const TreeBody& body = tree.bodies[i];
-    const bool on_base = body.parent < 0;
-    const auto p = static_cast<std::size_t>(on_base ? 0 : body.parent);
-    const Matrix3d& R_WP = on_base ? work.base_rotation : work.rotation[p];
-    const Vector6d& parent_velocity = on_base ? base_velocity : work.velocity[p];
-    const double rate = state.rate[static_cast<Eigen::Index>(i)];
-
-    work.origin_W[i] = R_WP * body.origin;
-    if (!on_base) work.origin_W[i] += work.origin_W[p];
-    work.rotation[i] = turned(R_WP, body.axis, work.sine[i], work.cosine[i]);
-    work.center_W[i] = work.origin_W[i] + work.rotation[i] * body.center_of_mass;
-    const Vector3d axis = R_WP * body.axis;
-    work.axis_W[i] << axis, work.origin_W[i].cross(axis);
-    const Vector6d joint_velocity = work.axis_W[i] * rate;
-    work.velocity[i] = parent_velocity + joint_velocity;
-    work.angular_velocity_W[i] = work.velocity[i].head<3>();
-    const Vector3d w = work.velocity[i].head<3>(), v = work.velocity[i].tail<3>();
-    work.bias[i].head<3>() = w.cross(joint_velocity.head<3>());
-    work.bias[i].tail<3>() = v.cross(joint_velocity.head<3>()) + w.cross(joint_velocity.tail<3>());
-    const Vector3d weight = body.mass * gravity_W;
-    work.force[i] << work.center_W[i].cross(weight), weight;
+  const BlockFrame base{{in_all_lanes(R.col(0)), in_all_lanes(R.col(1)), in_all_lanes(R.col(2))},
+                        in_all_lanes(Vector3d::Zero()),
+                        {in_all_lanes(work.base_angular_velocity_W), in_all_lanes(state.velocity)}};
+  const Lanes3 gravity = in_all_lanes(gravity_W);
+  for (std::size_t b = 0; b < work.blocks.size(); ++b) {
+    const TreeBlock& block = work.blocks[b];
+    const BlockFrame& parent = block.parent < 0 ? base : work.states[static_cast<std::size_t>(block.parent)].frame;
+    place_block(block, parent, gather(state.angle.data(), block.body), gather(state.rate.data(), block.body), gravity,
+                work.states[b]);
   }
 }
-
-namespace {
-
-/// Articulated inertia and bias force that the base's children put on it, by mirror group.
-struct BaseLoad {
-  std::array<PaddedMatrix, 2> inertia{PaddedMatrix::Zero(), PaddedMatrix::Zero()};
-  std::array<PaddedVector, 2> bias{PaddedVector::Zero(), PaddedVector::Zero()};
-};
-
-/// From the leaves to the base: what each body and those it carries put on its parent.
-BaseLoad fold_to_base(const Tree& tree, std::span<const double> prescribed_acceleration, TreeWorkspace& work) {
-  BaseLoad base;
-  for (std::size_t i = tree.bodies.size(); i-- > 0;) {
-    const TreeBody& body = tree.bodies[i];
-    const auto group = static_cast<std::size_t>(body.mirror_group), parent = static_cast<std::size_t>(body.parent);
-    PaddedMatrix& parent_inertia = body.parent < 0 ? base.inertia[group] : work.articulated[parent];
-    PaddedVector& parent_bias = body.parent < 0 ? base.bias[group] : work.articulated_bias[parent];
-    const PaddedMatrix& inertia = work.articulated[i];
-    const PaddedVector& bias = work.articulated_bias[i];
-    const Vector6d& axis = work.axis_W[i];
-    if (body.prescribed) {
-      const Vector6d known = work.bias[i] + axis * prescribed_acceleration[i];
-      parent_inertia += inertia;
-      parent_bias += bias + inertia * known;
-      continue;
-    }
-    PaddedVector& projected = work.projected[i];
-    projected.noalias() = inertia * axis;
-    work.axis_inertia[i] = axis.dot(projected.head<6>());
-    work.axis_force[i] = work.joint_torque[static_cast<Eigen::Index>(i)] - axis.dot(bias.head<6>());
-    const double compliance = 1.0 / work.axis_inertia[i];
-    const PaddedVector yielding = projected * compliance;
-    PaddedMatrix reduced;
-    for (int c = 0; c < 6; ++c) reduced.col(c) = inertia.col(c) - yielding * projected[c];
-    parent_inertia += reduced;
-    parent_bias += bias + reduced * work.bias[i] + yielding * work.axis_force[i];
-  }
-  return base;
-}
-
-/// Spatial acceleration of the base; its parts go to `acceleration`.
-Vector6d accelerate_base(const Tree& tree, const TreeState& state, const BaseLoad& children, TreeWorkspace& work,
-                         TreeAcceleration& acceleration) {
-  Vector6d velocity;
-  velocity << work.base_angular_velocity_W, state.velocity;
-  const Vector3d at_reference = Vector3d::Zero();
-  const RigidBody rigid{tree.base_mass, at_reference, turned_tensor(work.base_rotation, tree.base_inertia)};
-  PaddedMatrix own;
-  store_inertia(rigid, own);
-  const PaddedVector own_bias = velocity_product(rigid, velocity, work.base_force, work.kinetic_energy);
-  Vector6d spatial = Vector6d::Zero();
-  if (!tree.base_fixed) {
-    const Matrix6d inertia = (own + (children.inertia[0] + children.inertia[1])).topRows<6>();
-    const Vector6d bias = (own_bias + (children.bias[0] + children.bias[1])).head<6>();
-    spatial = -inertia.ldlt().solve(bias);
-  }
-  // The spatial acceleration's linear part is that of the point fixed in space; the centre of mass moves through it.
-  acceleration.linear = spatial.tail<3>();
-  if (!tree.base_fixed) acceleration.linear += work.base_angular_velocity_W.cross(state.velocity);
-  acceleration.angular = work.base_rotation.transpose() * spatial.head<3>();
-  return spatial;
-}
-
-/// From the base to the leaves: joint accelerations, torques of prescribed joints.
-void unfold(const Tree& tree, std::span<const double> prescribed_acceleration, const Vector6d& base_acceleration,
-            TreeWorkspace& work, TreeAcceleration& acceleration) {
-  for (std::size_t i = 0; i < tree.bodies.size(); ++i) {
-    const TreeBody& body = tree.bodies[i];
-    const Vector6d& parent =
-        body.parent < 0 ? base_acceleration : work.acceleration[static_cast<std::size_t>(body.parent)];
-    const Vector6d carried = parent + work.bias[i];
-    const auto joint = static_cast<Eigen::Index>(i);
-    if (body.prescribed) {
-      acceleration.joint[joint] = prescribed_acceleration[i];
-      work.acceleration[i] = carried + work.axis_W[i] * prescribed_acceleration[i];
-      const PaddedVector force = work.articulated[i] * work.acceleration[i] + work.articulated_bias[i];
-      work.joint_torque[joint] = work.axis_W[i].dot(force.head<6>());
-    } else {
-      acceleration.joint[joint] =
-          (work.axis_force[i] - work.projected[i].head<6>().dot(carried)) / work.axis_inertia[i];
-      work.acceleration[i] = carried + work.axis_W[i] * acceleration.joint[joint];
-    }
-  }
-}
-
-}  // namespace
 
 void tree_accelerations(const Tree& tree, const TreeState& state, std::span<const double> prescribed_acceleration,
                         TreeWorkspace& work, TreeAcceleration& acceleration) {
-  const std::size_t n = tree.bodies.size();
-  work.kinetic_energy = 0.0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const TreeBody& body = tree.bodies[i];
-    const RigidBody rigid{body.mass, work.center_W[i], turned_tensor(work.rotation[i], body.inertia)};
-    store_inertia(rigid, work.articulated[i]);
-    work.articulated_bias[i] = velocity_product(rigid, work.velocity[i], work.force[i], work.kinetic_energy);
-  }
-  const BaseLoad children = fold_to_base(tree, prescribed_acceleration, work);
+  Lanes energy = 0.0;
+  const BaseLoads children = fold_to_base(prescribed_acceleration, work, energy);
+  work.kinetic_energy = energy.sum();
   const Vector6d base_acceleration = accelerate_base(tree, state, children, work, acceleration);
-  unfold(tree, prescribed_acceleration, base_acceleration, work, acceleration);
+  unfold(prescribed_acceleration, base_acceleration, work, acceleration);
 }
 
 double gravity_energy(const Tree& tree, const TreeState& state, const Vector3d& gravity_W, const TreeWorkspace& work) {
-  double energy = -tree.base_mass * gravity_W.dot(state.position);
-  for (std::size_t i = 0; i < tree.bodies.size(); ++i) {
-    energy -= tree.bodies[i].mass * gravity_W.dot(state.position + work.center_W[i]);
+  const Lanes3 gravity = in_all_lanes(gravity_W);
+  const Lanes of_base = gravity_W.dot(state.position);
+  Lanes work_done = 0.0;
+  for (std::size_t b = 0; b < work.blocks.size(); ++b) {
+    work_done += work.blocks[b].mass * (of_base + dot(gravity, work.states[b].center_W));
   }
-  return energy;
+  return -tree.base_mass * of_base[0] - work_done.sum();
 }
 
-Vector6d joint_reaction(const TreeWorkspace& work, int i) {
-  const auto body = static_cast<std::size_t>(i);
-  Vector6d reaction = (work.articulated[body] * work.acceleration[body] + work.articulated_bias[body]).head<6>();
-  reaction.head<3>() -= work.origin_W[body].cross(reaction.tail<3>());
+Vector6d joint_reaction(const TreeWorkspace& work, int body) {
+  // Newton and Euler for the body and all that it carries: I a + v x* I v - f.
+  std::vector<LaneSpatial> force(work.blocks.size(), LaneSpatial{});
+  for (std::size_t b = work.blocks.size(); b-- > 0;) {
+    Lanes energy = 0.0;
+    ArticulatedLoad own;
+    rigid_bodies(work.blocks[b], work.states[b], own, energy);
+    force[b] = force[b] + own.inertia * work.states[b].acceleration + own.bias;
+    if (work.blocks[b].parent < 0) continue;
+    LaneSpatial& on_parent = force[static_cast<std::size_t>(work.blocks[b].parent)];
+    on_parent = on_parent + force[b];
+  }
+  const auto [block, lane] = work.place[static_cast<std::size_t>(body)];
+  Vector6d reaction = in_lane(lane, force[block]);
+  reaction.head<3>() -= work.origin_W(body).cross(reaction.tail<3>());
   return reaction;
 }
 

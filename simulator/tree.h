@@ -1,23 +1,26 @@
 #pragma once
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "model/geometry.h"
+#include "simulator/spatial_lanes.h"
 
 /// The chassis subsystem: a base body (floating or fixed) and a tree of revolute joints in relative coordinates.
 /// Paper eqs. (1)-(5): q' = B qi', B^T M B qi'' = B^T (Q - M B' qi'), solved by the articulated-body recursion
-/// (Featherstone 1983), O(bodies). Spatial vectors are (moment or angular; force or linear), world-aligned, about the
-/// base's centre of mass at the instant, so that no frame is changed along the tree.
+/// (Featherstone, Rigid Body Dynamics Algorithms, 2008, table 7.1), O(bodies). With S the axis of a joint, c = v x S q'
+/// its bias, tau its torque, I the inertia of a body and f the force on it, from the leaves to the base
+///   I^A = I + sum of the children's I^a,   p^A = v x* I v - f + sum of the children's p^a,
+///   U = I^A S,   D = S . U,   u = tau - S . p^A,   I^a = I^A - U U^T / D,   p^a = p^A + I^a c + U u / D,
+/// and from the base, whose a = -(I^A)^-1 p^A, to the leaves, with a' = c + a of the parent,
+///   q'' = (u - U . a') / D,   a = a' + S q''.
+/// Where q'' is given, 1 / D is taken as 0 and c as c + S q''; then tau = S . (I^A a + p^A).
+/// Spatial vectors are (moment or angular; force or linear), world-aligned, about the base's centre of mass at the
+/// instant, so that no frame is changed along the tree.
 namespace grouser {
-
-using Vector6d = Eigen::Matrix<double, 6, 1>;
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
-/// Spatial vectors and matrices with two rows of zeros below, so that a column fills the machine's vectors.
-using PaddedVector = Eigen::Matrix<double, 8, 1>;
-using PaddedMatrix = Eigen::Matrix<double, 8, 6>;
 
 /// One revolute body. Its frame B has its origin on the joint axis and is parallel to the parent's frame P at angle 0.
 struct TreeBody {
@@ -58,42 +61,87 @@ struct TreeAcceleration {
   Eigen::VectorXd joint;                ///< rad/s^2
 };
 
-/// Overwritten by every evaluation.
+/// Eight bodies of a tree, constant. The one in lane k hangs on the one in lane k of the parent block, so that what
+/// goes along the tree stays in its lane; blocks on the base hold bodies of one mirror group.
+struct TreeBlock {
+  int parent = -1;  ///< block; -1 is the base
+  int mirror_group = 0;
+  bool bears = false;               ///< other blocks hang on it
+  bool about_y = true;              ///< every joint turns about y, as most of a vehicle do
+  bool prescribes = false;          ///< holds a joint of given motion
+  std::array<int, k_lanes> body{};  ///< tree bodies; in a lane not in use, which has no mass, one of the others
+  Lanes free = 0.0;                 ///< 1 for a joint that moves by its forces, else 0
+  Lanes3 axis{0.0, 0.0, 0.0}, origin{0.0, 0.0, 0.0}, center_of_mass{0.0, 0.0, 0.0};  ///< as in TreeBody
+  Lanes mass = 0.0;
+  LaneTensor inertia{{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+};
+
+/// Where a body stands among the blocks.
+struct TreePlace {
+  std::size_t block;
+  int lane;
+};
+
+/// A block's frames: all that the bodies hanging on it need for theirs.
+struct BlockFrame {
+  LaneMatrix rotation;  ///< body -> W
+  Lanes3 origin_W;      ///< joint position less the base's centre of mass, W [m]
+  LaneSpatial velocity;
+};
+
+/// I^A and p^A of bodies with all that they carry, or I^a and p^a: what they put on the bodies that they hang on.
+struct ArticulatedLoad {
+  LaneInertia inertia;
+  LaneSpatial bias;
+};
+
+/// A block at one state.
+struct BlockState {
+  // by place_tree
+  BlockFrame frame;
+  Lanes3 center_W;     ///< centre of mass less the base's centre of mass, W [m]
+  LaneSpatial axis_W;  ///< S
+  LaneSpatial bias;    ///< c
+  // by whoever pushes on the bodies; gravity alone by place_tree
+  LaneSpatial force;
+  // by tree_accelerations
+  ArticulatedLoad borne;         ///< sums of I^a and p^a of the blocks that hang on it; only where there are any
+  LaneSpatial projected;         ///< U
+  Lanes compliance, axis_force;  ///< 1 / D, u
+  LaneSpatial acceleration;
+  Lanes joint_acceleration;  ///< q''
+};
+
+/// Overwritten by every evaluation, but for what make_workspace fills.
 struct TreeWorkspace {
+  std::vector<TreeBlock> blocks;  ///< parents before children, constant, by make_workspace
+  std::vector<TreePlace> place;   ///< of every body, constant, by make_workspace
+  std::vector<BlockState> states;
   // by place_tree
   Matrix3d base_rotation;  ///< base -> W
   Vector3d base_angular_velocity_W;
-  std::vector<double> sine, cosine;          ///< of the joint angles, padded to whole lanes
-  std::vector<Matrix3d> rotation;            ///< body -> W
-  std::vector<Vector3d> origin_W;            ///< joint position less the base's centre of mass, W [m]
-  std::vector<Vector3d> center_W;            ///< centre of mass less the base's centre of mass, W [m]
-  std::vector<Vector3d> angular_velocity_W;  ///< rad/s
-  std::vector<Vector6d> velocity;            ///< spatial
-  std::vector<Vector6d> axis_W;              ///< spatial joint axes
-  std::vector<Vector6d> bias;                ///< velocity-product acceleration across the joint
   // by whoever pushes on the bodies; zeroed by place_tree
-  Vector6d base_force;          ///< spatial force on the base
-  std::vector<Vector6d> force;  ///< spatial force on each body
-  Eigen::VectorXd
-      joint_torque;  ///< applied along each axis by springs and dampers [N m]; prescribed: by tree_accelerations
+  Vector6d base_force;           ///< spatial force on the base
+  Eigen::VectorXd joint_torque;  ///< applied along each axis by springs and dampers [N m]; prescribed: by
+                                 ///< tree_accelerations
   // by tree_accelerations
-  std::vector<PaddedMatrix> articulated;
-  std::vector<PaddedVector> articulated_bias, projected;
-  std::vector<Vector6d> acceleration;
-  std::vector<double> axis_inertia, axis_force;
   double kinetic_energy = 0.0;  ///< J, whole tree
 
-  /// Velocity in W of the point of body i that stands at `point` (less the base's centre of mass).
-  [[nodiscard]] Vector3d velocity_at(int i, const Vector3d& point) const {
-    const Vector6d& v = velocity[static_cast<std::size_t>(i)];
-    return v.tail<3>() + v.head<3>().cross(point);
-  }
-  /// Adds force f_W at `point` (less the base's centre of mass) to body i.
-  void add_force(int i, const Vector3d& point, const Vector3d& f_W) {
-    Vector6d& f = force[static_cast<std::size_t>(i)];
-    f.head<3>() += point.cross(f_W);
-    f.tail<3>() += f_W;
-  }
+  [[nodiscard]] Matrix3d rotation(int body) const;            ///< body -> W
+  [[nodiscard]] Vector3d origin_W(int body) const;            ///< joint position less the base's centre of mass [m]
+  [[nodiscard]] Vector3d center_W(int body) const;            ///< centre of mass less the base's centre of mass [m]
+  [[nodiscard]] Vector3d angular_velocity_W(int body) const;  ///< rad/s
+  [[nodiscard]] Vector6d velocity(int body) const;            ///< spatial
+  [[nodiscard]] Vector6d axis_W(int body) const;              ///< spatial joint axis
+  [[nodiscard]] Vector6d force(int body) const;               ///< spatial
+  /// Velocity in W of the point of a body that stands at `point` (less the base's centre of mass).
+  [[nodiscard]] Vector3d velocity_at(int body, const Vector3d& point) const;
+  /// Adds force and its moment about the base's centre of mass to a body.
+  void add_force(int body, const Vector3d& moment_W, const Vector3d& force_W);
+
+ private:
+  [[nodiscard]] const BlockState& state_of(int body) const;
+  [[nodiscard]] int lane_of(int body) const { return place[static_cast<std::size_t>(body)].lane; }
 };
 
 [[nodiscard]] TreeWorkspace make_workspace(const Tree& tree);
@@ -113,5 +161,35 @@ void tree_accelerations(const Tree& tree, const TreeState& state, std::span<cons
 /// Force and moment that the parent puts on body i at its joint, in W, moment about the joint origin [N m, N].
 /// Valid after tree_accelerations.
 [[nodiscard]] Vector6d joint_reaction(const TreeWorkspace& work, int i);
+
+inline const BlockState& TreeWorkspace::state_of(int body) const {
+  return states[place[static_cast<std::size_t>(body)].block];
+}
+inline Matrix3d TreeWorkspace::rotation(int body) const {
+  const LaneMatrix& R = state_of(body).frame.rotation;
+  Matrix3d rotation;
+  rotation << in_lane(lane_of(body), R.x), in_lane(lane_of(body), R.y), in_lane(lane_of(body), R.z);
+  return rotation;
+}
+inline Vector3d TreeWorkspace::origin_W(int body) const {
+  return in_lane(lane_of(body), state_of(body).frame.origin_W);
+}
+inline Vector3d TreeWorkspace::center_W(int body) const { return in_lane(lane_of(body), state_of(body).center_W); }
+inline Vector3d TreeWorkspace::angular_velocity_W(int body) const { return velocity(body).head<3>(); }
+inline Vector6d TreeWorkspace::velocity(int body) const {
+  return in_lane(lane_of(body), state_of(body).frame.velocity);
+}
+inline Vector6d TreeWorkspace::axis_W(int body) const { return in_lane(lane_of(body), state_of(body).axis_W); }
+inline Vector6d TreeWorkspace::force(int body) const { return in_lane(lane_of(body), state_of(body).force); }
+inline Vector3d TreeWorkspace::velocity_at(int body, const Vector3d& point) const {
+  const Vector6d v = velocity(body);
+  return v.tail<3>() + v.head<3>().cross(point);
+}
+inline void TreeWorkspace::add_force(int body, const Vector3d& moment_W, const Vector3d& force_W) {
+  const auto [block, lane] = place[static_cast<std::size_t>(body)];
+  LaneSpatial& force = states[block].force;
+  add_in_lane(lane, moment_W, force.angular);
+  add_in_lane(lane, force_W, force.linear);
+}
 
 }  // namespace grouser

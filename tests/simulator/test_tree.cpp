@@ -116,14 +116,14 @@ TEST(Tree, TheRootJointCarriesWeightAndInertia) {
   const TreeWorkspace work = accelerate(tree, state, k_gravity_z, no_torque(state)).work;
   for (std::size_t i = 0; i < tree.bodies.size(); ++i) {
     mass += tree.bodies[i].mass;
-    weight_moment += work.center_W[i].cross(tree.bodies[i].mass * k_gravity_z);
+    weight_moment += work.center_W(static_cast<int>(i)).cross(tree.bodies[i].mass * k_gravity_z);
   }
   const Vector3d force = (after.linear - before.linear) / (2.0 * k_dt) - mass * k_gravity_z;
   const Vector3d moment = (after.angular - before.angular) / (2.0 * k_dt) - weight_moment;
   EXPECT_LT((reaction.tail<3>() - force).norm(), 1e-6);  // central difference over 1e-5 s
-  EXPECT_LT((reaction.head<3>() + work.origin_W[0].cross(reaction.tail<3>()) - moment).norm(), 1e-6);
+  EXPECT_LT((reaction.head<3>() + work.origin_W(0).cross(reaction.tail<3>()) - moment).norm(), 1e-6);
   // A free hinge carries no moment along its axis.
-  EXPECT_NEAR(reaction.head<3>().dot(work.axis_W[0].head<3>()), 0.0, 1e-10);
+  EXPECT_NEAR(reaction.head<3>().dot(work.axis_W(0).head<3>()), 0.0, 1e-10);
 }
 
 TEST(Tree, MirroredTreesMoveAsMirrorImages) {
@@ -148,6 +148,78 @@ TEST(Tree, MirroredTreesMoveAsMirrorImages) {
   EXPECT_LT((b.linear - S * a.linear).norm(), 1e-11);
   EXPECT_LT((b.angular + S * a.angular).norm(), 1e-11);
   expect_near(b.joint, a.joint, 1e-10);
+}
+
+/// Eleven bodies a side on the base, seven of which carry one more and two of those a second; right is left in a
+/// mirror.
+Tree two_sided_tree() {
+  Tree tree;
+  tree.base_mass = 20.0;
+  tree.base_inertia = Vector3d(3.0, 5.0, 7.0).asDiagonal();
+  for (const int side : {0, 1}) {
+    std::mt19937 random(81);
+    std::uniform_real_distribution<double> unit(-1.0, 1.0);
+    const double outwards = side == 0 ? 1.0 : -1.0;
+    const auto add = [&](int parent) {
+      TreeBody body;
+      body.parent = parent;
+      body.mirror_group = side;
+      body.mass = 1.5 + unit(random);
+      body.origin = Vector3d(unit(random), outwards * unit(random), unit(random));
+      body.center_of_mass = Vector3d(unit(random), outwards * unit(random), unit(random));
+      body.inertia = Vector3d(1.0, 1.1, 1.2).asDiagonal();
+      tree.bodies.push_back(body);
+    };
+    const int first = static_cast<int>(tree.bodies.size());
+    for (int i = 0; i < 11; ++i) add(-1);
+    for (int i = 0; i < 9; ++i) add(first + 2 + i % 7);
+  }
+  return tree;
+}
+
+TEST(Tree, ItsOwnMirrorImageMovesStraightToTheLastBit) {
+  const Tree tree = two_sided_tree();
+  const Eigen::Index on_a_side = 20;
+  TreeState state = random_state(tree, 82);
+  state.orientation = Quaterniond(0.8, 0.0, -0.6, 0.0);
+  state.velocity.y() = state.angular_velocity.x() = state.angular_velocity.z() = 0.0;
+  state.angle.tail(on_a_side) = state.angle.head(on_a_side);
+  state.rate.tail(on_a_side) = state.rate.head(on_a_side);
+  const TreeAcceleration a = accelerate(tree, state, k_gravity_z, no_torque(state)).acceleration;
+  EXPECT_EQ(a.linear.y(), 0.0);
+  EXPECT_EQ(a.angular.x(), 0.0);
+  EXPECT_EQ(a.angular.z(), 0.0);
+  EXPECT_EQ(a.joint.head(on_a_side), a.joint.tail(on_a_side));
+  EXPECT_GT(a.linear.norm() * a.angular.norm(), 1.0);
+}
+
+TEST(Tree, EveryBodyStandsInTheLaneOfTheOneThatItHangsOn) {
+  std::vector<Tree> trees{two_sided_tree(), five_body_tree()};
+  for (std::uint32_t seed = 1; seed < 50; ++seed) trees.push_back(random_tree(seed, static_cast<int>(seed)));
+  for (const Tree& tree : trees) {
+    const TreeWorkspace work = make_workspace(tree);
+    double mass = 0.0, in_blocks = 0.0;
+    for (std::size_t i = 0; i < tree.bodies.size(); ++i) {
+      const auto [number, lane] = work.place[i];
+      const TreeBlock& block = work.blocks[number];
+      const int parent = tree.bodies[i].parent;
+      EXPECT_EQ(block.body[static_cast<std::size_t>(lane)], static_cast<int>(i));
+      EXPECT_EQ(block.parent < 0, parent < 0);
+      mass += block.mass[lane];
+      if (parent < 0) {
+        EXPECT_EQ(block.mirror_group, tree.bodies[i].mirror_group);
+        continue;
+      }
+      const TreePlace carrier = work.place[static_cast<std::size_t>(parent)];
+      EXPECT_EQ(carrier.block, static_cast<std::size_t>(block.parent));
+      EXPECT_EQ(carrier.lane, lane);
+      EXPECT_LT(carrier.block, number);
+      EXPECT_TRUE(work.blocks[carrier.block].bears);
+    }
+    for (const TreeBlock& block : work.blocks) in_blocks += block.mass.sum();
+    EXPECT_NEAR(in_blocks, mass, 1e-12 * mass);  // lanes without a body have none
+  }
+  EXPECT_EQ(make_workspace(two_sided_tree()).blocks.size(), 8u);  // a side: two, what they bear, the second ones
 }
 
 TEST(Tree, TurningAndMovingTheWorldChangesNothingInside) {

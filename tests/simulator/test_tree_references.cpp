@@ -49,8 +49,8 @@ TEST(TreeReference, HeavyTop) {
     state = runge_kutta(top.tree, state, top.gravity, no_torque, ahead, static_cast<int>(ahead * 4000.0));
     time = known.time;
     const TreeWorkspace work = accelerate(top.tree, state, top.gravity, no_torque(state)).work;
-    EXPECT_LT((work.center_W[2] - known.center).norm(), 1e-7) << "at " << time;
-    const Vector3d spin = work.rotation[2].transpose() * work.angular_velocity_W[2];
+    EXPECT_LT((work.center_W(2) - known.center).norm(), 1e-7) << "at " << time;
+    const Vector3d spin = work.rotation(2).transpose() * work.angular_velocity_W(2);
     // The spin of 150 rad/s is conserved; 1e-7 rad of phase turns the transverse 5 rad/s by as little.
     EXPECT_LT((spin - known.spin).norm(), 1e-5) << "at " << time;
   }

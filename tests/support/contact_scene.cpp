@@ -53,8 +53,7 @@ void ContactScene::drift(double dt) {
 double ContactScene::power() const {
   double sum = get_vector(work.force_W, 0).dot(get_vector(state.velocity, 0)) +
                get_vector(work.torque_W, 0).dot(get_vector(work.angular_velocity_W, 0));
-  for (std::size_t i = 0; i < system.tree.bodies.size(); ++i)
-    sum += work.chassis.force[i].dot(work.chassis.velocity[i]);
+  for (int i = 0; i < system.num_revolute_joints(); ++i) sum += work.chassis.force(i).dot(work.chassis.velocity(i));
   return sum;
 }
 

@@ -286,7 +286,7 @@ std::vector<HingedRod> adams_rods() {
 HingedRod::At observe(const HingedRod& rod, const TreeState& state, double time) {
   const TreeAnswer answer = accelerate(rod.tree, state, rod.gravity, rod.torque(state));
   const Vector6d reaction = joint_reaction(answer.work, 0);  // on the rod
-  return {time, state.position + answer.work.center_W[0], -reaction.tail<3>(), -reaction.head<3>()};
+  return {time, state.position + answer.work.center_W(0), -reaction.tail<3>(), -reaction.head<3>()};
 }
 
 }  // namespace grouser::test

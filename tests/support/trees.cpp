@@ -134,11 +134,12 @@ TreeMomentum tree_momentum(const Tree& tree, const TreeState& state, const Vecto
   sum.potential = gravity_energy(tree, state, gravity_W, answer.work);
   sum.linear = tree.base_mass * state.velocity;
   sum.angular = state.position.cross(sum.linear) + state.orientation * (tree.base_inertia * state.angular_velocity);
-  for (std::size_t i = 0; i < tree.bodies.size(); ++i) {
-    const TreeBody& body = tree.bodies[i];
-    const Vector3d center = answer.work.center_W[i], w = answer.work.angular_velocity_W[i];
-    const Vector3d p = body.mass * answer.work.velocity_at(static_cast<int>(i), center);
-    const Matrix3d& R = answer.work.rotation[i];
+  for (std::size_t n = 0; n < tree.bodies.size(); ++n) {
+    const TreeBody& body = tree.bodies[n];
+    const auto i = static_cast<int>(n);
+    const Vector3d center = answer.work.center_W(i), w = answer.work.angular_velocity_W(i);
+    const Vector3d p = body.mass * answer.work.velocity_at(i, center);
+    const Matrix3d R = answer.work.rotation(i);
     sum.linear += p;
     sum.angular += (state.position + center).cross(p) + R * (body.inertia * (R.transpose() * w));
   }

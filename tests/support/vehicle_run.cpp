@@ -60,10 +60,10 @@ CenterOfMass center_of_mass(const System& system, const State& state, const Work
   };
   const TreeState& chassis = state.chassis;
   add(system.tree.base_mass, chassis.position, chassis.velocity);
-  for (std::size_t i = 0; i < system.tree.bodies.size(); ++i) {
-    const Vector3d& from_base = work.chassis.center_W[i];
-    add(system.tree.bodies[i].mass, chassis.position + from_base,
-        work.chassis.velocity_at(static_cast<int>(i), from_base));
+  for (int i = 0; i < system.num_revolute_joints(); ++i) {
+    const Vector3d from_base = work.chassis.center_W(i);
+    add(system.tree.bodies[static_cast<std::size_t>(i)].mass, chassis.position + from_base,
+        work.chassis.velocity_at(i, from_base));
   }
   for (const CompiledTrack& track : system.tracks) {
     for (int i = track.offset; i < track.offset + track.num_links; ++i)

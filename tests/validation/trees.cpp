@@ -72,8 +72,8 @@ void add_heavy_top(Chapter& chapter) {
     state = runge_kutta(top.tree, state, top.gravity, no_torque, ahead, static_cast<int>(ahead * 4000.0));
     time = known.time;
     const TreeWorkspace work = accelerate(top.tree, state, top.gravity, no_torque(state)).work;
-    center = worse(center, worst_of(work.center_W[2], known.center));
-    spin = worse(spin, worst_of(work.rotation[2].transpose() * work.angular_velocity_W[2], known.spin));
+    center = worse(center, worst_of(work.center_W(2), known.center));
+    spin = worse(spin, worst_of(work.rotation(2).transpose() * work.angular_velocity_W(2), known.spin));
   }
   const char* source = "Euler's equations and DOP853 (scipy)";
   chapter.add({"heavy top of 150 rad/s: place of the centre of mass", "m", center.reference, center.measured,
