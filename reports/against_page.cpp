@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <optional>
 
 #include "reports/figure_block.h"
 #include "reports/number_text.h"
@@ -103,9 +104,13 @@ json against_facts(const RunFolder& run, const Measurement& measurement, const s
   facts["has_left_out"] = !measurement.left_out.empty();
   facts["shift"] = options.shift == 0.0 ? json(false) : quantity_facts(options.shift, "s");
   facts["figures"] = json::array();
-  for (const RatedChannel& channel : rated)
-    facts["figures"].push_back(figure_block(overlay_figure({&channel}, k_measured, {k_computed}, rated_span(channel)),
-                                            id + "-figure-" + channel.name));
+  for (const RatedChannel& channel : rated) {
+    const std::string figure = id + "-figure-" + channel.name;
+    facts["figures"].push_back(
+        figure_block(overlay_figure({&channel}, k_measured, {k_computed}, rated_span(channel)), figure));
+    if (const std::optional<Figure> close = close_figure(channel, k_measured, k_computed))
+      facts["figures"].push_back(figure_block(*close, figure + "-close"));
+  }
   const Figure cross = cross_figure(rated, k_measured, k_computed);
   facts["cross"] = cross.panels.empty() ? json(false) : figure_block(cross, id + "-figure-cross");
   facts["provenance"] = repeat_facts(run, measurement, options);

@@ -6,6 +6,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <optional>
 
 #include "reports/channels.h"
 #include "reports/number_text.h"
@@ -172,7 +173,8 @@ Figure overlay_figure(const std::vector<const RatedChannel*>& rated, const std::
   const ShownUnit unit = shown_unit(first.unit, std::max(largest(first.reference.value), largest(first.other.value)));
   const std::string in = unit_label(unit);
   Panel overlay = time_panel("", channel_label(first.name) + in);
-  Panel difference = time_panel(rated.size() > 1 ? "" : others.front() + " less " + reference, "Difference" + in);
+  Panel difference =
+      time_panel(rated.size() > 1 ? "" : "Difference from " + reference, (rated.size() > 1 ? "Difference" : "Δ") + in);
   const auto add = [&](const std::string& name, const TimeSeries& curve, int hue) {
     TimeSeries part = cut(curve, shown);
     overlay.series.push_back({.name = name,
@@ -202,7 +204,7 @@ Figure overlay_figure(const std::vector<const RatedChannel*>& rated, const std::
   if (!caption.empty()) caption += ". ";
   std::vector<Panel> panels{std::move(overlay)};
   if (!difference.series.empty()) {
-    caption += fmt::format("Below, the difference from {} at {} common instants.", reference, instants);
+    caption += fmt::format("Below, the difference from “{}” at {} common instants.", reference, instants);
     panels.push_back(std::move(difference));
   }
   return stacked_figure(first.name, channel_label(first.name), caption, std::move(panels), 190);
@@ -213,6 +215,33 @@ TimeSpan rated_span(const RatedChannel& rated) {
   if (!rated.base.problem.empty()) return k_all_time;
   const double margin = k_margin * (rated.base.end() - rated.base.begin);
   return {rated.base.begin - margin, rated.base.end() + margin};
+}
+
+std::optional<Figure> close_figure(const RatedChannel& rated, const std::string& reference, const std::string& other) {
+  constexpr std::size_t k_instants = 150;
+  const CommonBase& base = rated.base;
+  if (base.reference.size() < 3 * k_instants) return std::nullopt;
+  std::size_t worst = 0;
+  const auto distance = [&](std::size_t i) { return std::abs(base.other[i] - base.reference[i]); };
+  for (std::size_t i = 0; i < base.reference.size(); ++i)
+    if (distance(i) > distance(worst)) worst = i;
+  const std::size_t half = k_instants / 2;
+  const std::size_t begin = std::clamp(worst, half, base.reference.size() - half) - half;
+  const TimeSpan span{base.begin + base.step * static_cast<double>(begin),
+                      base.begin + base.step * static_cast<double>(begin + k_instants)};
+  const ShownUnit unit = shown_unit(rated.unit, std::max(largest(rated.reference.value), largest(rated.other.value)));
+  Panel panel = time_panel("", channel_label(rated.name) + unit_label(unit));
+  for (const auto& [name, curve] : {std::pair(reference, &rated.reference), {other, &rated.other}}) {
+    TimeSeries part = cut(*curve, span);
+    panel.series.push_back(
+        {.name = name, .x = std::move(part.time), .y = scaled(std::move(part.value), unit.scale), .width = 1.5f});
+  }
+  const double at = base.begin + base.step * static_cast<double>(worst);
+  panel.marks.push_back({at, true, ""});
+  return stacked_figure(rated.name + "_zoom", channel_label(rated.name) + ", where they differ most",
+                        fmt::format("The largest difference, {}, at {}.", quantity_text(distance(worst), rated.unit, 3),
+                                    quantity_text(at, "s")),
+                        {std::move(panel)}, 230);
 }
 
 Figure cross_figure(const std::vector<RatedChannel>& rated, const std::string& reference, const std::string& other) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,9 @@ struct RatedChannel {
                                     const std::vector<std::string>& others, const TimeSpan& shown = k_all_time);
 /// What was rated, and a tenth more on either side; everything where nothing was.
 [[nodiscard]] TimeSpan rated_span(const RatedChannel& rated);
+/// Both curves over a few instants round their largest difference; none where they are short enough to be seen whole.
+[[nodiscard]] std::optional<Figure> close_figure(const RatedChannel& rated, const std::string& reference,
+                                                 const std::string& other);
 /// Every pair of samples, the second curve over the first, for each channel that has a common base.
 [[nodiscard]] Figure cross_figure(const std::vector<RatedChannel>& rated, const std::string& reference,
                                   const std::string& other);

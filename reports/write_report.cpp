@@ -206,7 +206,9 @@ json against_contents(const json& page) {
       continue;
     }
     links.push_back({{"key", id + "-ratings"}, {"text", "Ratings"}});
-    for (const json& figure : part["figures"]) links.push_back({{"key", figure["id"]}, {"text", figure["title"]}});
+    for (const json& figure : part["figures"])
+      if (!figure["name"].get<std::string>().ends_with("_zoom"))
+        links.push_back({{"key", figure["id"]}, {"text", figure["title"]}});
     if (part["cross"].is_object()) links.push_back({{"key", part["cross"]["id"]}, {"text", part["cross"]["title"]}});
     links.push_back({{"key", id + "-channels"}, {"text", "Channels"}});
     links.push_back({{"key", id + "-provenance"}, {"text", "How to repeat it"}});
