@@ -227,7 +227,7 @@ Lanes largest_eigenvalue(const PlaneBlock& a) {
   for (int n = 0; n < 8; ++n) {
     const Lanes next = (2.0 / 3.0) * (r * r * r + d) / (r * r - 1.0);
     if (bits_of(next < r) == 0) break;  // it falls until round-off
-    r = next;
+    r = r.min(next);
   }
   return mean + p * r;
 }

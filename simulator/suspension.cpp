@@ -105,16 +105,18 @@ Lanes damper_pressure(const GasUnits& units, const Lanes& flow) {
   const LaneMask open = units.blow_off_pressure < of_orifice;
   if (bits_of(open) == 0) return of_orifice;
   // flow = (A_o + c (rho y^2 / 2 - p_b)) y with the jet speed y: monotone above the knee, Newton from the knee. The
-  // error left is of the order of the last change's square.
+  // error left is of the order of the last change's square. Each joint stops for itself: what stands in the other lanes
+  // must not show, for a vehicle has two sides.
   const Lanes density = choose(open, units.oil_density, 1.0),
               pressure_at_knee = choose(open, units.blow_off_pressure, 0.0);
   Lanes y = (2.0 * pressure_at_knee / density).sqrt();
-  for (int i = 0; i < 30; ++i) {
+  LaneMask moving = open;
+  for (int i = 0; i < 30 && bits_of(moving) != 0; ++i) {
     const Lanes of_jet = density * y * y;
     const Lanes area = units.orifice_area + units.blow_off_area * (0.5 * of_jet - pressure_at_knee);
     const Lanes change = (area * y - flow) / (area + units.blow_off_area * of_jet);
-    y -= change;
-    if (bits_of(open & (1e-7 * y < change.abs())) == 0) break;
+    y -= choose(moving, change, 0.0);
+    moving = moving & (1e-7 * y < change.abs());
   }
   return choose(open, 0.5 * density * y * y, of_orifice);
 }
