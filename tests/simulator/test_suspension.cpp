@@ -50,10 +50,11 @@ TEST(Suspension, SpringsOfEveryKindSideBySideActAsTheyDoAlone) {
     const SpringMoments together = spring_moments(blocks[b], {0.4, 0.1}, angle, rate);
     for (int lane = 0; lane < blocks[b].count; ++lane) {
       const CompiledSuspension& spring = springs[b * k_lanes + static_cast<std::size_t>(lane)];
+      // To the last bit: left and right springs share blocks with others.
       const SpringMoment alone = tensioner_moment(spring, 0.1, angle[lane], rate[lane]);
-      EXPECT_DOUBLE_EQ(together.moment[lane], alone.moment);
-      EXPECT_DOUBLE_EQ(together.energy[lane], alone.energy);
-      EXPECT_DOUBLE_EQ(together.loss[lane], alone.loss);
+      EXPECT_EQ(together.moment[lane], alone.moment) << lane;
+      EXPECT_EQ(together.energy[lane], alone.energy) << lane;
+      EXPECT_EQ(together.loss[lane], alone.loss) << lane;
     }
   }
   const SpringMoments last = spring_moments(blocks[1], {0.4, 0.1}, angle, rate);
