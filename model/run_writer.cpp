@@ -18,7 +18,7 @@ std::size_t ChannelTable::row_size() const {
 }
 
 std::size_t ChannelTable::rows_per_chunk() const {
-  constexpr std::size_t k_most_values = 1 << 19, k_most_rows = 1024;
+  constexpr std::size_t k_most_values = 1 << 20, k_most_rows = 1024;
   const std::size_t fitting =
       std::clamp<std::size_t>(k_most_values / std::max<std::size_t>(row_size(), 1), 1, k_most_rows);
   if (rate <= 0.0) return fitting;
