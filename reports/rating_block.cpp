@@ -207,7 +207,7 @@ Figure overlay_figure(const std::vector<const RatedChannel*>& rated, const std::
     caption += fmt::format("Below, the difference from “{}” at {} common instants.", reference, instants);
     panels.push_back(std::move(difference));
   }
-  return stacked_figure(first.name, channel_label(first.name), caption, std::move(panels), 190);
+  return stacked_figure(first.name, channel_label(first.name) + " over time", caption, std::move(panels), 190);
 }
 
 TimeSpan rated_span(const RatedChannel& rated) {

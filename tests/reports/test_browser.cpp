@@ -1,8 +1,10 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cstdio>
 
+#include "model/provenance.h"
 #include "reports/assets.h"
 #include "reports/report.h"
 #include "tests/support/mock_run.h"
@@ -35,10 +37,10 @@ class Browser : public testing::Test {
     if (ask("node --version").status != 0) GTEST_SKIP() << "node is not installed";
     if (ask("pdftotext -v").status != 0) GTEST_SKIP() << "pdftotext is not installed: poppler-utils";
   }
-  void expect_good(const std::vector<std::string>& names, bool player) {
+  void expect_good(const std::vector<std::string>& names, bool player, const ReportOptions& options = {}) {
     std::vector<std::filesystem::path> folders;
     for (const std::string& name : names) folders.push_back(folder_ / name);
-    write_report(folders, folder_ / "report.html");
+    write_report(folders, folder_ / "report.html", options);
     const bool charts =
         has_interactive_charts() && !folders.empty() && std::filesystem::exists(folders.front() / "run.json");
     const std::string modules = "NODE_PATH=" GROUSER_SOURCE_DIR "/node_modules ";
@@ -77,6 +79,21 @@ TEST_F(Browser, AStudyWorks) {
   for (const auto& [name, scale] : {std::pair{"a", 0.5}, {"b", 1.0}, {"c", 2.0}})
     mock::write_run(folder_ / name, {.bushing_scale = scale});
   expect_good({"a", "b", "c"}, false);
+}
+
+TEST_F(Browser, ARunAgainstAMeasurementWorksAndItsColumnsStayText) {
+  mock::write_run(folder_ / "run");
+  std::string table = "time_s,speed_m_per_s,pitch_deg,yaw_rate_rad_per_s,<script>alert(1)</script>_kN\n";
+  for (int i = 0; i < 500; ++i)
+    table += fmt::format("{},{},{},{},{}\n", 0.004 * i, i % 70, i % 11 - 5, i % 5, 40 + i % 30);
+  write_whole(folder_ / "<img src=x onerror=alert(1)>.csv", table);
+  ReportOptions options;
+  options.against = folder_ / "<img src=x onerror=alert(1)>.csv";
+  options.channels = {{"speed", "speed"},
+                      {"pitch", "pitch"},
+                      {"yaw_rate", "yaw_rate"},
+                      {"<script>alert(1)</script>", "-upper_run_tension_left"}};
+  expect_good({"run"}, false, options);
 }
 
 TEST_F(Browser, IdentificationReportWorks) {
