@@ -62,7 +62,7 @@ TEST(Usage, ValuesThatCannotBeAreRefusedBeforeAnyWork) {
       {{"export", "run", "--format", "xls"}, "--format"},
       {{"identify", "rig.json", "--threads", "0"}, "--threads"},
       {{"render", "run", "--film", "film.avi"}, ".mp4, found film.avi"},
-      {{"plot", "run", "--figure", "tension", "-o", "a.svg"}, ".png, found a.svg"},
+      {{"plot", "run", "--figure", "tension", "-o", "a.pdf"}, ".svg, found a.pdf"},
       {{"report"}, "DIR"},
       {{"check"}, "FILE"},
   };
