@@ -156,14 +156,16 @@ unsigned touch_path(const Meeting& m, double stiffness, const Lanes& lateral, Lo
   load.elastic.add(disc, {-fx, 0.0, -fz});
   load.lost.add(disc, {fx * (1.0 - factor), 0.0, fz * (1.0 - factor)});
   load.lost.add(place, {q * slip.x, q * slip.y, 0.0});
-  add_slopes(m,
-             {disc,
-              {nx, nz, disc.z * nx - disc.x * nz},
-              patch.width,
-              stiffness * patch.width * factor.max(1.0),
-              law.rate * elastic,
-              steepest_friction(law, normal)},
-             work);
+  if (work.bounds_step) {
+    add_slopes(m,
+               {disc,
+                {nx, nz, disc.z * nx - disc.x * nz},
+                patch.width,
+                stiffness * patch.width * factor.max(1.0),
+                law.rate * elastic,
+                steepest_friction(law, normal)},
+               work);
+  }
   sums.energy += stiffness * patch.energy;
   sums.contact_power += elastic * (factor - 1.0) * closing;
   sums.friction_power += q * slip2;
@@ -285,7 +287,8 @@ void track_discs(const Tree& tree, const CompiledTrack& track, double stiffness_
     const Lanes3 axle_W = in_all_lanes(work.chassis.rotation(discs.body).col(1));
     const Lanes3 spin_W = in_all_lanes(work.chassis.angular_velocity_W(discs.body));
     const Lanes3 velocity_W = in_all_lanes(work.chassis.velocity_at(discs.body, from_base));
-    const Lanes3 way_W = in_all_lanes(way_of_center(tree, discs.body, work.chassis));
+    const Lanes3 way_W =
+        in_all_lanes(work.bounds_step ? way_of_center(tree, discs.body, work.chassis) : Vector3d::Zero());
     const Reach reach(track, discs);
     const auto near = [&](int first) {
       const Lanes3 apart = in_all_lanes(center_W) - load3(state.position, first);

@@ -115,7 +115,7 @@ std::string EnergyWatch::remedy(const Stepper& stepper) const {
   const IntegratorOptions& options = system_.scenario.integrator;
   if (options.fixed_step > 0.0) {
     return fmt::format("integrator.fixed_step is {:.2f} times the bound that stability_fraction ({:.2f}) is meant for",
-                       options.fixed_step / stepper.work().largest_stable_step, options.stability_fraction);
+                       options.fixed_step / stepper.stable_step(), options.stability_fraction);
   }
   if (stepper.last_limit() == StepLimit::min_step)
     return "reduce integrator.min_step, which holds the steps above the stable ones";

@@ -143,7 +143,7 @@ void push_pins(const Wheel& wheel, const Pins& pins, const PinForce& pushed, Wor
     loss.add(pins.arm_W[b], bearer.share * lost);
     note_losses(work, body, loss);
     push_links(work, body, load, Partner::sprocket);
-    add_slopes(wheel, bearer, body, pushed, work);
+    if (work.bounds_step) add_slopes(wheel, bearer, body, pushed, work);
   }
   work.rim[static_cast<std::size_t>(track.sprocket.body)].spin += pushed.friction.sum();
 }

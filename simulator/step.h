@@ -36,7 +36,8 @@ class Stepper {
   template <typename Archive>
   void archive(Archive& a) {
     a(states_[now_], states_[1 - now_], accelerations_[f_now_], accelerations_[f_before_], h_, previous_h_, limit_,
-      last_limit_, limiting_, last_limiting_, last_error_, rejected_, evaluations_, worst_);
+      last_limit_, limiting_, last_limiting_, last_error_, rejected_, evaluations_, worst_, stable_step_, bounding_,
+      since_bound_);
   }
   /// Fills the workspace of an archived state as the step that led to it did. Returns the accelerations that come out;
   /// the same program on the same machine finds those that were archived, to the last bit.
@@ -55,6 +56,8 @@ class Stepper {
   [[nodiscard]] StepLimit last_limit() const { return last_limit_; }
   /// Whose error or stability set the size of the last step (error, stability), or would have (fixed).
   [[nodiscard]] Part last_limiting() const { return last_limiting_; }
+  /// Largest step that was stable for certain when it was last looked for, some steps ago [s].
+  [[nodiscard]] double stable_step() const { return stable_step_; }
   [[nodiscard]] long rejected() const { return rejected_; }
   [[nodiscard]] long evaluations() const { return evaluations_; }
   /// Part with the largest error of the last trial, or the one that a failed step ended on.
@@ -64,6 +67,8 @@ class Stepper {
   /// Largest local error of the trial over its tolerance; fills worst_.
   [[nodiscard]] double error_ratio(double h);
   void choose_next_step(double error_ratio);
+  /// Keeps the bound that an accepted evaluation found, if it looked for one.
+  void take_bound(const Workspace& work);
 
   const System& system_;
   std::array<State, 2> states_;
@@ -77,7 +82,10 @@ class Stepper {
   double last_error_ = 0.0;
   long rejected_ = 0, evaluations_ = 0;
   Part limiting_, last_limiting_, worst_;
-  double reach_ = 0.0;  ///< m, of the chassis' furthest pivot
+  double stable_step_ = 0.0;  ///< s
+  Part bounding_;             ///< what set it
+  int since_bound_ = 0;       ///< accepted steps since
+  double reach_ = 0.0;        ///< m, of the chassis' furthest pivot
 };
 
 }  // namespace grouser

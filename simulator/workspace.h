@@ -119,9 +119,10 @@ struct Workspace {
   std::array<double, k_num_sides>
       lateral_guide_offset{};  ///< largest |y| of a link engaged with a wheel [m], by guide_contacts
   std::array<long, k_num_contact_cases> case_count{};  ///< this evaluation
-  double largest_stable_step = 0.0;                    ///< s, by bound_step, below the true one
-  Part bounding;                                       ///< what set it
-  int bottomed_unit = -1;  ///< tree body of an arm whose gas unit has no volume left, by suspension_forces
+  bool bounds_step = true;  ///< wanted of this evaluation: the slopes of all forces, and largest_stable_step from them
+  double largest_stable_step = 0.0;  ///< s, by bound_step, below the true one
+  Part bounding;                     ///< what set it
+  int bottomed_unit = -1;            ///< tree body of an arm whose gas unit has no volume left, by suspension_forces
 };
 
 /// Axis 0, 1 or 2 of eight links in a row, W.
