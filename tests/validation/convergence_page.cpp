@@ -119,10 +119,7 @@ and pictures come from one program, with the numbers about them; make them again
       "## Choice of the tolerance\n\n" + steps_table(ladder) +
       "\nThe displacement tolerance is the velocity tolerance times 1 ms on every line. `bound` is "
       "`integrator.stability_fraction`, where it is not the shipped one: it multiplies the largest step that is stable "
-      "for certain. The coarsest tolerance that agrees is not the shipped one because it leaves events to the "
-      "stability "
-      "bound alone: on the half round of `half_round_20kmh.json` the residual was 0.7e-4 at 10 mm/s, 1.3e-4 at 30 and "
-      "2.4e-4 at 100 (runs by hand, beside this program).\n" +
+      "for certain.\n" +
       picture("convergence_energy", "Energy residual over the mean step; it falls as the square of a fixed step") +
       "Deviation from the reference in per cent, by quantity:\n\n" + quantities_table(ladder);
   text +=
