@@ -10,7 +10,7 @@ struct Detail {
   enum Level { coarse, middle, fine };
   static constexpr float k_coarse = 140.0f;  ///< pixels a metre: a whole vehicle in a film
   static constexpr float k_middle = 320.0f;  ///< a whole vehicle in a still
-  static constexpr float k_fine = 800.0f;     ///< a wheel that fills the picture
+  static constexpr float k_fine = 800.0f;    ///< a wheel that fills the picture
 
   float pixels_per_metre = k_middle;
 

@@ -108,7 +108,7 @@ void add_pin_end(const LinkShape& s, float x, float side, Mesh& mesh) {
 
 /// A bar round two pins, `length` apart along x: flat faces and round ends.
 void add_connector_bar(float length, float radius, float y0, float y1, const Detail& detail, Mesh& mesh) {
-  std::vector<Vector2f> outline;  // x, z
+  std::vector<Vector2f> outline;                                  // x, z
   const int half = 2 * std::max(2, detail.segments(radius) / 4);  // a corner at the very end
   for (const float end : {1.0f, -1.0f}) {
     for (int i = 0; i <= half; ++i) {
