@@ -9,7 +9,9 @@ namespace grouser {
 namespace {
 
 constexpr std::size_t k_most_findings = 20;
-constexpr std::size_t k_head_lines = 200;  // the names stand among the first so many lines that are not empty
+// The names stand among the first so many lines that are not empty, and so many bytes.
+constexpr std::size_t k_head_lines = 200, k_head_bytes = 1u << 20;
+constexpr std::size_t k_most_columns = 10'000;
 
 std::string row_place(std::size_t row) { return "row " + std::to_string(row); }
 
@@ -77,12 +79,13 @@ class Table {
 }  // namespace
 
 CsvReader::CsvReader(std::istream& in, Findings& findings) : findings_(findings), lines_(in) {
-  if (lines_.is_utf16()) {
-    findings_.add("", "text in UTF-8 or ASCII", "UTF-16");
+  if (!lines_.other_content().empty()) {
+    findings_.add("", "text in UTF-8 or ASCII", lines_.other_content());
     return;
   }
   bool any = false;
-  for (std::string_view line; first_lines_.size() < k_head_lines && lines_.next(line);) {
+  const auto room = [&] { return first_lines_.size() < k_head_lines && lines_.consumed() < k_head_bytes; };
+  for (std::string_view line; room() && lines_.next(line);) {
     const std::string_view content = trimmed(line);
     if (content.empty()) continue;
     const bool remark = is_remark(content);
@@ -90,11 +93,22 @@ CsvReader::CsvReader(std::istream& in, Findings& findings) : findings_(findings)
     // A trailing divider is part of the row; only blanks that divide nothing are cut.
     first_lines_.push_back({std::string(remark ? without_mark(content) : line), lines_.number(), remark});
   }
-  if (any) {
-    head_ = find_csv_head(first_lines_, findings_);
+  if (lines_.too_long()) {
+    report_long_line();
+  } else if (!any) {
+    findings_.add("", "a header line that names the columns",
+                  first_lines_.empty() ? "an empty file" : "only lines that are remarks");
   } else {
-    findings_.add("", "a header line that names the columns", "an empty file");
+    head_ = find_csv_head(first_lines_, findings_);
+    if (head_.names.size() <= k_most_columns) return;
+    findings_.add(place_of_names(), "at most " + std::to_string(k_most_columns) + " columns",
+                  std::to_string(head_.names.size()));
   }
+}
+
+void CsvReader::report_long_line() {
+  findings_.add(row_place(lines_.number()), "lines of at most " + std::to_string(CsvLines::k_piece >> 20) + " MB",
+                "a longer one");
 }
 
 std::string CsvReader::place_of_names() const { return row_place(head_.row); }
@@ -131,18 +145,16 @@ std::vector<CsvColumn> CsvReader::read(const std::vector<std::string>& wanted, M
   if (table.rows() > 0) {
     // Room for all rows at once, a little more than the first ones foretell: vectors that double would need half as
     // much memory again.
-    table.reserve(
-        static_cast<std::size_t>(1.1 * static_cast<double>(table.rows()) * static_cast<double>(lines_.total()) /
-                                 static_cast<double>(lines_.consumed())));
+    const double foretold = 1.1 * static_cast<double>(table.rows()) * static_cast<double>(lines_.total()) /
+                            static_cast<double>(lines_.consumed());
+    constexpr double k_most_rows = 1 << 24;  // a file with holes claims any length
+    table.reserve(static_cast<std::size_t>(std::min(foretold, k_most_rows)));
   }
   for (std::string_view line; go_on && lines_.next(line);) {
     const std::string_view content = trimmed(line);
     if (!content.empty() && !is_remark(content)) go_on = read_row(line, lines_.number());
   }
-  if (lines_.too_long()) {
-    findings_.add(row_place(lines_.number()), "lines of at most " + std::to_string(CsvLines::k_piece >> 20) + " MB",
-                  "a longer one");
-  }
+  if (lines_.too_long()) report_long_line();
   if (table.rows() == 0) findings_.add("", "rows of numbers below the header", "none");
   return table.take();
 }

@@ -41,6 +41,7 @@ class CsvReader {
 
  private:
   [[nodiscard]] bool names_are_usable();
+  void report_long_line();
 
   Findings& findings_;
   CsvLines lines_;

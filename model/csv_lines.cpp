@@ -21,8 +21,13 @@ std::size_t size_of(std::istream& in) {
 CsvLines::CsvLines(std::istream& in) : in_(in), piece_(k_piece, '\0'), total_(size_of(in)) {
   fill();
   const std::string_view start(piece_.data(), end_);
-  utf16_ = start.substr(0, 2) == "\xFF\xFE" || start.substr(0, 2) == "\xFE\xFF";
-  if (start.substr(0, 3) == "\xEF\xBB\xBF") begin_ = 3;
+  if (start.starts_with("\xFF\xFE") || start.starts_with("\xFE\xFF")) {
+    other_content_ = "UTF-16";
+  } else if (start.find('\0') != std::string_view::npos) {
+    other_content_ = "binary data";
+  }
+  if (start.starts_with("\xEF\xBB\xBF")) begin_ = 3;
+  if (start.find('\n') == std::string_view::npos && start.find('\r') != std::string_view::npos) break_ = '\r';
 }
 
 /// Moves what is left to the front of the piece and reads on; false when nothing came.
@@ -41,7 +46,7 @@ bool CsvLines::fill() {
 bool CsvLines::next(std::string_view& line) {
   if (too_long_) return false;
   const char* const start = piece_.data();
-  const auto* newline = static_cast<const char*>(std::memchr(start + begin_, '\n', end_ - begin_));
+  const auto* newline = static_cast<const char*>(std::memchr(start + begin_, break_, end_ - begin_));
   if (newline == nullptr) {
     if (end_ - begin_ == piece_.size()) {
       too_long_ = true;

@@ -21,7 +21,8 @@ class CsvLines {
   /// Number of the line that next() gave, counted from 1.
   [[nodiscard]] std::size_t number() const { return number_; }
   [[nodiscard]] bool too_long() const { return too_long_; }
-  [[nodiscard]] bool is_utf16() const { return utf16_; }
+  /// Of a beginning that is no text ("UTF-16", "binary data"); empty for text.
+  [[nodiscard]] const std::string& other_content() const { return other_content_; }
   /// Bytes given out as lines so far, and of the whole stream (0 where it cannot tell).
   [[nodiscard]] std::size_t consumed() const { return read_ - (end_ - begin_); }
   [[nodiscard]] std::size_t total() const { return total_; }
@@ -35,7 +36,9 @@ class CsvLines {
   std::string piece_;
   std::size_t begin_ = 0, end_ = 0;  ///< of what is left in the piece
   std::size_t read_ = 0, total_ = 0, number_ = 0;
-  bool utf16_ = false, too_long_ = false;
+  bool too_long_ = false;
+  char break_ = '\n';  ///< or '\r', where that alone ends the lines (classic Mac OS)
+  std::string other_content_;
   Sha256 digest_;
 };
 

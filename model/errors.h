@@ -1,9 +1,15 @@
 #pragma once
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace grouser {
+
+/// Text of a file as one line that a terminal shows and does not obey: control characters and bytes that are no UTF-8
+/// as
+/// `\x1b`, a very long text cut.
+[[nodiscard]] std::string printable(std::string_view text);
 
 /// One thing that is wrong in an input, with the evidence.
 struct InputFinding {

@@ -9,13 +9,24 @@ namespace grouser {
 /// Collects what is wrong in one file, so that its user learns of everything at once.
 class Findings {
  public:
+  static constexpr std::size_t k_most = 200;  ///< kept; a file of another kind would give one for each of its numbers
+
   explicit Findings(std::string file) : file_(std::move(file)) {}
   void add(std::string place, std::string expected, std::string found, std::string hint = {}) {
-    list_.push_back({file_, std::move(place), std::move(expected), std::move(found), std::move(hint)});
+    add(InputFinding{file_, std::move(place), std::move(expected), std::move(found), std::move(hint)});
   }
-  /// A finding about another file.
-  void add(InputFinding finding) { list_.push_back(std::move(finding)); }
-  void add(const Findings& other) { list_.insert(list_.end(), other.list_.begin(), other.list_.end()); }
+  /// A finding about any file; the first beyond k_most says that there are more, and the others are left out.
+  void add(InputFinding finding) {
+    if (size() < k_most) {
+      list_.push_back(std::move(finding));
+    } else if (size() == k_most) {
+      list_.push_back({file_, "", "at most " + std::to_string(k_most) + " faults to tell of", "more", ""});
+    }
+  }
+  void add(const Findings& other) {
+    for (const InputFinding& finding : other.list_) add(finding);
+  }
+  [[nodiscard]] bool full() const { return size() > k_most; }
   [[nodiscard]] const std::string& file() const { return file_; }
   [[nodiscard]] bool empty() const { return list_.empty(); }
   [[nodiscard]] std::size_t size() const { return list_.size(); }

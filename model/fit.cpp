@@ -87,9 +87,9 @@ Json candidate_json(const LawCandidate& candidate) {
 
 LawCandidate read_candidate(ObjectReader& r) {
   LawCandidate candidate;
-  candidate.spring_intervals = static_cast<int>(r.integer("spring_intervals", 0));
-  candidate.stops = static_cast<int>(r.integer("stops", 0));
-  candidate.branches = static_cast<int>(r.integer("branches", 0));
+  candidate.spring_intervals = r.count("spring_intervals", 0);
+  candidate.stops = r.count("stops", 0);
+  candidate.branches = r.count("branches", 0);
   candidate.strain_dependent_yield = r.boolean_or("strain_dependent_yield", false);
   candidate.left_out_error = number_or_null(r, "left_out_error");
   candidate.chosen = r.boolean_or("chosen", false);
@@ -180,12 +180,8 @@ AxisFit read_axis(ObjectReader& r, Axis axis) {
   fit.condition_number = number_or_null(r, "condition_number");
   fit.not_identified = r.texts_or_none("not_identified");
   r.object("solver", [&](ObjectReader& s) {
-    fit.solver = {s.text("termination"),
-                  static_cast<int>(s.integer("iterations", 0)),
-                  number_or_null(s, "initial_cost"),
-                  number_or_null(s, "final_cost"),
-                  number_or_null(s, "kkt_residual"),
-                  static_cast<int>(s.integer("starts", 0))};
+    fit.solver = {s.text("termination"),           s.count("iterations", 0),          number_or_null(s, "initial_cost"),
+                  number_or_null(s, "final_cost"), number_or_null(s, "kkt_residual"), s.count("starts", 0)};
   });
   r.object("backbone", [&](ObjectReader& b) { fit.backbone = read_band(b, keys, "force_" + keys.force); });
   r.object("tangent", [&](ObjectReader& t) { fit.tangent = read_band(t, keys, "stiffness_" + keys.stiffness); });
@@ -193,7 +189,7 @@ AxisFit read_axis(ObjectReader& r, Axis axis) {
   r.each("responses", 0, [&](ObjectReader& p) { fit.responses.push_back(read_response(p, keys)); });
   r.each("selection", 0, [&](ObjectReader& c) { fit.selection.push_back(read_candidate(c)); });
   read_joint(r, fit, keys);
-  fit.draws = static_cast<int>(r.integer("draws", 0));
+  fit.draws = r.count("draws", 0);
   return fit;
 }
 

@@ -73,7 +73,7 @@ Json cycle_json(const CycleFit& cycle, const FitKeys& keys, bool prediction) {
 
 CycleFit read_cycle(ObjectReader& r, const FitKeys& keys, bool prediction) {
   CycleFit cycle;
-  cycle.index = static_cast<int>(r.integer("index", 0));
+  cycle.index = r.count("index", 0);
   cycle.used = r.boolean_or("used", false);
   cycle.note = r.text_or("note", "");
   cycle.amplitude = number_or_null(r, "amplitude_" + keys.displacement);
@@ -150,8 +150,8 @@ TestFit read_test_fit(ObjectReader& r) {
   const FitKeys& keys = fit_keys_of(test.axis);
   test.kind = r.choice<TestKind>("kind", {{"static", TestKind::static_ramp}, {"cyclic", TestKind::cyclic}});
   test.samples = r.integer("samples", 0);
-  test.cycles = static_cast<int>(r.integer("cycles", 0));
-  test.cycles_used = static_cast<int>(r.integer("cycles_used", 0));
+  test.cycles = r.count("cycles", 0);
+  test.cycles_used = r.count("cycles_used", 0);
   test.frequency = number_or_null(r, "frequency_Hz");
   test.amplitude = number_or_null(r, "amplitude_" + keys.displacement);
   test.prediction = r.boolean_or("prediction", false);

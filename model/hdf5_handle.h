@@ -37,6 +37,21 @@ class Hdf5Handle {
 /// HDF5 prints its error stack by default; ours are exceptions.
 inline void silence_hdf5() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
 
+/// A run that was killed, or still runs, is marked as open for writing: such a file is opened as one with a writer.
+[[nodiscard]] inline Hdf5Handle open_hdf5(const std::filesystem::path& file) {
+  Hdf5Handle opened(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  if (!opened) opened = Hdf5Handle(H5Fopen(file.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, H5P_DEFAULT), H5Fclose);
+  return opened;
+}
+
+/// Type of a text in memory: UTF-8 of any length.
+[[nodiscard]] inline Hdf5Handle text_in_memory() {
+  Hdf5Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type.id(), H5T_VARIABLE);
+  H5Tset_cset(type.id(), H5T_CSET_UTF8);
+  return type;
+}
+
 [[noreturn]] inline void fail_hdf5(const std::string& action, const std::filesystem::path& file) {
   throw FileError("cannot " + action + " in " + file.string());
 }

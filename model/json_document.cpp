@@ -1,10 +1,32 @@
 #include "model/json_document.h"
 
 #include <algorithm>
+#include <array>
 #include <memory>
+#include <unordered_set>
+#include <utility>
 
 namespace grouser {
 namespace {
+
+// Far above any file of ours; below them no text, however made, costs more than some seconds and 2 GB.
+constexpr std::size_t k_most_bytes = 32u << 20, k_most_levels = 64, k_most_keys = 10'000;
+
+/// Other things than JSON, by their first bytes.
+const char* other_content(std::string_view text) {
+  using namespace std::string_view_literals;
+  constexpr std::array<std::pair<std::string_view, const char*>, 8> k_marks{{{"\xFF\xFE\0\0"sv, "text in UTF-32"},
+                                                                             {"\0\0\xFE\xFF"sv, "text in UTF-32"},
+                                                                             {"\xFF\xFE"sv, "text in UTF-16"},
+                                                                             {"\xFE\xFF"sv, "text in UTF-16"},
+                                                                             {"\x89HDF\r\n"sv, "an HDF5 file"},
+                                                                             {"\x1F\x8B"sv, "a gzip archive"},
+                                                                             {"PK\x03\x04"sv, "a zip archive"},
+                                                                             {"\x89PNG"sv, "a picture"}}};
+  for (const auto& [mark, name] : k_marks)
+    if (text.starts_with(mark)) return name;
+  return text.find('\0') == std::string_view::npos ? nullptr : "bytes that are no text";
+}
 
 /// Builds the document and knows where it is.
 class Builder : public nlohmann::json_sax<Json> {
@@ -27,8 +49,9 @@ class Builder : public nlohmann::json_sax<Json> {
   bool key(string_t& value) override {
     Level& level = levels_.back();
     level.key = value;
-    if (level.container->contains(value)) findings_.add(pointer_to(level.pointer, value), "each key once", "it twice");
-    return true;
+    if (!level.keys.insert(value).second) findings_.add(pointer_to(level.pointer, value), "each key once", "it twice");
+    if (level.keys.size() <= k_most_keys) return true;
+    return refuse(level.pointer, "at most " + std::to_string(k_most_keys) + " keys in an object", "more");
   }
 
   bool parse_error(std::size_t position, const std::string& last_token, const Json::exception& error) override {
@@ -41,7 +64,7 @@ class Builder : public nlohmann::json_sax<Json> {
     const bool ended = at >= text_.size();
     findings_.add("line " + std::to_string(line) + ", column " + std::to_string(column),
                   overflow ? "a number that a double can hold" : "valid JSON",
-                  ended ? "the end of the file" : last_token, overflow ? "" : reason(error.what()));
+                  ended ? "the end of the file" : end_of(last_token), overflow ? "" : reason(error.what()));
     return false;
   }
 
@@ -50,7 +73,20 @@ class Builder : public nlohmann::json_sax<Json> {
     Json* container;
     std::string pointer;
     std::string key;
+    std::unordered_set<std::string> keys;  ///< so far: of an object
   };
+
+  /// A finding that ends the reading.
+  bool refuse(const std::string& pointer, std::string expected, std::string found) {
+    findings_.add(pointer, std::move(expected), std::move(found));
+    return false;
+  }
+
+  /// A token may be a text of any length; what is wrong with it stands at its end.
+  static std::string end_of(const std::string& token) {
+    constexpr std::size_t k_most = 60;
+    return token.size() <= k_most ? token : "..." + token.substr(token.size() - k_most);
+  }
 
   /// nlohmann's own sentence without its error number and position.
   static std::string reason(const std::string& what) {
@@ -70,9 +106,9 @@ class Builder : public nlohmann::json_sax<Json> {
       level.container->push_back(std::move(value));
       return &level.container->back();
     }
-    Json& slot = (*level.container)[level.key];
-    slot = std::move(value);
-    return &slot;
+    // Appended without a search: it would cost the square of the number of keys.
+    auto& members = level.container->get_ref<Json::object_t&>();
+    return &members.emplace_back(level.key, std::move(value)).second;
   }
   bool put(Json value) {
     place(std::move(value));
@@ -85,8 +121,12 @@ class Builder : public nlohmann::json_sax<Json> {
       pointer =
           pointer_to(level.pointer, level.container->is_array() ? std::to_string(level.container->size()) : level.key);
     }
+    if (levels_.size() == k_most_levels) {
+      return refuse(levels_.front().pointer,
+                    "at most " + std::to_string(k_most_levels) + " levels of arrays and objects", "more");
+    }
     Json* placed = place(std::move(container));
-    levels_.push_back({placed, std::move(pointer), {}});
+    levels_.push_back({placed, std::move(pointer), {}, {}});
     return true;
   }
   bool close() {
@@ -125,6 +165,15 @@ void print(const Json& value, std::size_t indent, std::string& out) {
 }  // namespace
 
 Json parse_json(const std::string& text, Findings& findings) {
+  if (const char* other = other_content(text)) {
+    findings.add("", "JSON text in UTF-8", other);
+    return nullptr;
+  }
+  if (text.size() > k_most_bytes) {
+    findings.add("", "a JSON file of at most " + std::to_string(k_most_bytes >> 20) + " MB",
+                 std::to_string(text.size() >> 20) + " MB");
+    return nullptr;
+  }
   Builder builder(text, findings);
   if (!Json::sax_parse(text, &builder)) return nullptr;
   return builder.take();

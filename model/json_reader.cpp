@@ -127,7 +127,9 @@ std::vector<double> ObjectReader::numbers_at(const Json& value, const std::strin
   }
   numbers.reserve(value.size());
   for (std::size_t i = 0; i < value.size(); ++i) {
-    numbers.push_back(unit.to_si(number_at(value[i], pointer_to(pointer, std::to_string(i)), what, range)));
+    const std::string place = pointer_to(pointer, std::to_string(i));
+    numbers.push_back(unit.to_si(number_at(value[i], place, what, range)));
+    if (!std::isfinite(numbers.back())) findings_.add(place, "a number that a double can hold in SI", shown(value[i]));
   }
   return numbers;
 }
@@ -138,7 +140,8 @@ std::optional<double> ObjectReader::optional_quantity(const std::string& name, c
   if (!found) return std::nullopt;
   const std::string pointer = pointer_to(pointer_, found->key);
   const double value = found->unit.to_si(number_at((*object_)[found->key], pointer, name_of(dimension), range));
-  if (!std::isfinite(value)) findings_.add(pointer, "a number that a double can hold", shown((*object_)[found->key]));
+  if (!std::isfinite(value))
+    findings_.add(pointer, "a number that a double can hold in SI", shown((*object_)[found->key]));
   return value;
 }
 
@@ -221,17 +224,20 @@ std::vector<double> ObjectReader::numbers_or_none(const std::string& key) {
   return numbers_at(*value, pointer_to(pointer_, key), "number", Unit{});
 }
 
-long ObjectReader::integer(const std::string& key, long least) {
+long ObjectReader::integer(const std::string& key, long least, long most) {
   if (find(key, true) == nullptr) return least;
-  return integer_or(key, least, least);
+  return integer_or(key, least, least, most);
 }
 
-long ObjectReader::integer_or(const std::string& key, long fallback, long least) {
+long ObjectReader::integer_or(const std::string& key, long fallback, long least, long most) {
   const Json* value = find(key, false);
   if (value == nullptr) return fallback;
-  if (value->is_number_integer() && value->get<double>() < 1e15 && value->get<long>() >= least)
-    return value->get<long>();
-  report(key, "a whole number >= " + std::to_string(least), shown(*value));
+  const bool fits = value->is_number_integer() && std::abs(value->get<double>()) <= static_cast<double>(k_most_integer);
+  const long number = fits ? value->get<long>() : least;
+  if (fits && number >= least && number <= most) return number;
+  std::string expected = "a whole number >= " + std::to_string(least);
+  if (fits && number > most) expected = "a whole number from " + std::to_string(least) + " to " + std::to_string(most);
+  report(key, std::move(expected), shown(*value));
   return least;
 }
 
@@ -384,6 +390,7 @@ void ObjectReader::report_unasked() {
   }
   std::vector<std::string> suggested;
   for (const auto& item : object_->items()) {
+    if (findings_.full()) return;
     if (contains(used_, item.key())) continue;
     const std::string meant = suggestion(item.key());
     suggested.push_back(meant);

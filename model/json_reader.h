@@ -47,8 +47,17 @@ class ObjectReader {
   double number(const std::string& key, Range range = Range::any);
   double number_or(const std::string& key, double fallback, Range range = Range::any);
   std::vector<double> numbers_or_none(const std::string& key);
-  long integer(const std::string& key, long least);
-  long integer_or(const std::string& key, long fallback, long least);
+  /// Whole numbers that a double holds; a count that memory or time pays for says how many are sane.
+  static constexpr long k_most_integer = 1'000'000'000'000'000, k_most_count = 1'000'000'000;
+  long integer(const std::string& key, long least, long most = k_most_integer);
+  long integer_or(const std::string& key, long fallback, long least, long most = k_most_integer);
+  /// The same for what is kept as an int.
+  int count(const std::string& key, long least, long most = k_most_count) {
+    return static_cast<int>(integer(key, least, most));
+  }
+  int count_or(const std::string& key, long fallback, long least, long most = k_most_count) {
+    return static_cast<int>(integer_or(key, fallback, least, most));
+  }
   bool boolean_or(const std::string& key, bool fallback);
   std::string text(const std::string& key);
   std::string text_or(const std::string& key, const std::string& fallback);

@@ -93,26 +93,37 @@ ThermalCorrection read_thermal(ObjectReader& r) {
 
 /// `samples`: number a ramp, if the file says none.
 constexpr int k_ramp_samples = 400;
+/// Turns and samples a turn of a protocol: together 10 million samples, 10 h at 250 Hz.
+constexpr long k_most_turns = 10'000, k_most_samples = 10'000'000;
+
+/// Samples of all turns have a limit, too.
+void check_amount(ObjectReader& r, const TestProtocol& protocol) {
+  const long samples = static_cast<long>(protocol.turns) * protocol.samples_per_turn;
+  if (samples > k_most_samples)
+    r.report("", "at most " + std::to_string(k_most_samples) + " samples a test", std::to_string(samples));
+}
 
 TestProtocol read_static_protocol(ObjectReader& r, Axis axis) {
   TestProtocol protocol;
   const std::string name = is_rotation(axis) ? "to_torque" : "to_force";
   protocol.to_force = r.quantity(name, force_of(axis));
   if (r.has_quantity(name) && protocol.to_force == 0.0) r.report(r.key_of(name), "a load other than 0", "0");
-  protocol.turns = static_cast<int>(r.integer_or("ramps", 5, 1));
+  protocol.turns = r.count_or("ramps", 5, 1, k_most_turns);
   protocol.sample_rate = r.optional_quantity("sample_rate", d::frequency, Range::positive);
   if (protocol.sample_rate && r.has("samples")) {
     r.report("", "samples or sample_rate_Hz", "both");
   }
-  const int samples = static_cast<int>(r.integer_or("samples", k_ramp_samples, 2));
+  const int samples = r.count_or("samples", k_ramp_samples, 2, k_most_samples);
   protocol.samples_per_turn = protocol.sample_rate ? 0 : samples;
+  check_amount(r, protocol);
   return protocol;
 }
 
 TestProtocol read_cyclic_protocol(ObjectReader& r) {
   TestProtocol protocol;
-  protocol.turns = static_cast<int>(r.integer_or("cycles", 10, 1));
-  protocol.samples_per_turn = static_cast<int>(r.integer_or("samples_per_cycle", 200, 2));
+  protocol.turns = r.count_or("cycles", 10, 1, k_most_turns);
+  protocol.samples_per_turn = r.count_or("samples_per_cycle", 200, 2, k_most_samples);
+  check_amount(r, protocol);
   return protocol;
 }
 
@@ -167,7 +178,7 @@ RigTestEntry read_test(ObjectReader& r) {
   test.frequency = r.optional_quantity("frequency", d::frequency, Range::positive);
   test.amplitude = r.optional_quantity("amplitude", displacement, Range::positive);
   test.preset = r.optional_quantity("preset", displacement);
-  if (r.has("discard_cycles")) test.discard_cycles = static_cast<int>(r.integer("discard_cycles", 0));
+  if (r.has("discard_cycles")) test.discard_cycles = r.count("discard_cycles", 0);
   read_source(r, test);
   if (!test.protocol) read_columns(r, entry);
   return entry;
@@ -201,7 +212,7 @@ class RigReader {
   void read_own(ObjectReader& reader) {
     reader.object("specimen", [this](ObjectReader& r) {
       rig_.specimen = r.text("name");
-      rig_.bushings_in_series = static_cast<int>(r.integer_or("bushings_in_series", 1, 1));
+      rig_.bushings_in_series = r.count_or("bushings_in_series", 1, 1, 1000);
       r.optional_object("geometry", check_geometry);
     });
     rig_.rig_compliance = reader.quantity_or("rig_compliance", d::compliance, 0.0, Range::non_negative);
@@ -263,7 +274,13 @@ class RigReader {
 
   void read_file(RigTestEntry& entry) {
     if (entry.test.file.empty()) return;
-    const fs::path path = (file_.parent_path() / entry.test.file).lexically_normal();
+    const fs::path named = fs::path(entry.test.file).lexically_normal();
+    if (named.is_absolute() || *named.begin() == "..") {
+      findings_.add(entry.pointer + "/file", "a file in the folder of the rig file, or below it", entry.test.file,
+                    "a campaign is carried from machine to machine as one folder");
+      return;
+    }
+    const fs::path path = (file_.parent_path() / named).lexically_normal();
     Findings of_file(path.string());
     try {
       const std::string digest = read_rig_columns(path, sensors_, rig_.thermal, entry, of_file);

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
 
 #include "model/calibration.h"
 #include "model/csv.h"
+#include "model/input_file.h"
 
 namespace grouser {
 namespace {
@@ -256,8 +256,7 @@ void check_temperature(const std::vector<double>& temperature, const std::string
 
 std::string read_rig_columns(const std::filesystem::path& file, const RigSensors& sensors,
                              const std::optional<ThermalCorrection>& thermal, RigTestEntry& entry, Findings& findings) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw FileError("cannot read " + file.string() + ": " + std::strerror(errno));
+  std::ifstream stream = open_input(file);
   CsvReader table(stream, findings);
   if (!findings.empty()) return {};
   const Channels channels = ColumnFinder(table, findings).find(entry, sensors, thermal.has_value());

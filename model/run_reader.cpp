@@ -1,30 +1,28 @@
 #include <algorithm>
 #include <cstdlib>
 #include <functional>
+#include <map>
 #include <numeric>
 
 #include "model/hdf5_handle.h"
+#include "model/hdf5_survey.h"
+#include "model/input_file.h"
 #include "model/run.h"
 
 namespace grouser {
 
 struct RunReader::Impl {
+  using Shape = std::vector<hsize_t>;
   std::filesystem::path path;
   Hdf5Handle file;
+  std::map<std::string, Shape> shapes;  ///< of every dataset, its rows cut to those that all of its table have
 
+  [[nodiscard]] const Shape& shape_of(const std::string& name) const;
   [[nodiscard]] Hdf5Handle open(const std::string& name) const;
+  void cut_to_common_rows();
 };
 
 namespace {
-
-/// A run that was killed, or still runs, is marked as open for writing: such a file is opened as one with a writer.
-Hdf5Handle open_file(const std::filesystem::path& path) {
-  Hdf5Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-  if (file) return file;
-  file = Hdf5Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, H5P_DEFAULT), H5Fclose);
-  if (!file) throw FileError("cannot read " + path.string() + ": not a readable HDF5 file");
-  return file;
-}
 
 std::vector<hsize_t> shape_of(hid_t dataset) {
   const Hdf5Handle space(H5Dget_space(dataset), H5Sclose);
@@ -43,65 +41,84 @@ std::vector<std::string> take_strings(std::vector<char*>& texts) {
   return strings;
 }
 
-Hdf5Handle memory_string() {
-  Hdf5Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  H5Tset_size(type.id(), H5T_VARIABLE);
-  H5Tset_cset(type.id(), H5T_CSET_UTF8);
-  return type;
-}
-
 std::string unit_of(hid_t dataset) {
   const Hdf5Handle attribute(H5Aopen(dataset, "unit", H5P_DEFAULT), H5Aclose);
   if (!attribute) return {};
   std::vector<char*> text(1, nullptr);
-  const Hdf5Handle type = memory_string();
+  const Hdf5Handle type = text_in_memory();
   if (H5Aread(attribute.id(), type.id(), text.data()) < 0) return {};
   return take_strings(text).front();
 }
 
-herr_t collect_dataset(hid_t, const char* name, const H5O_info_t* info, void* names) {
-  if (info->type == H5O_TYPE_DATASET) static_cast<std::vector<std::string>*>(names)->emplace_back("/").append(name);
+/// The table of a dataset, by its group; texts have none.
+std::string table_of(const std::string& name) {
+  if (name.ends_with("names")) return name;
+  for (const char* group : {"/steps/", "/probes/"})
+    if (name.starts_with(group)) return group;
+  return "/";
+}
+
+herr_t collect_dataset(hid_t file, const char* name, const H5O_info_t* info, void* shapes) {
+  if (info->type != H5O_TYPE_DATASET) return 0;
+  const Hdf5Handle set(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose);
+  if (!set) return -1;
+  (*static_cast<std::map<std::string, std::vector<hsize_t>>*>(shapes))[std::string("/") + name] = shape_of(set.id());
   return 0;
 }
 
 }  // namespace
 
+const RunReader::Impl::Shape& RunReader::Impl::shape_of(const std::string& name) const {
+  const auto found = shapes.find(name);
+  if (found == shapes.end()) throw FileError(path.string() + " holds no dataset " + name);
+  return found->second;
+}
+
 Hdf5Handle RunReader::Impl::open(const std::string& name) const {
-  Hdf5Handle set(H5Dopen2(file.id(), name.c_str(), H5P_DEFAULT), H5Dclose);
-  if (!set) throw FileError(path.string() + " holds no dataset " + name);
-  return set;
+  return checked({H5Dopen2(file.id(), name.c_str(), H5P_DEFAULT), H5Dclose}, "open " + name, path);
+}
+
+/// A kill between two writes leaves some datasets a chunk longer than others.
+void RunReader::Impl::cut_to_common_rows() {
+  std::map<std::string, hsize_t> rows;
+  for (const auto& [name, shape] : shapes) {
+    const auto [table, is_new] = rows.emplace(table_of(name), shape.front());
+    table->second = std::min(table->second, shape.front());
+  }
+  for (auto& [name, shape] : shapes) shape.front() = rows.at(table_of(name));
 }
 
 RunReader::RunReader(const std::filesystem::path& file) : impl_(std::make_unique<Impl>()) {
+  require_plain_file(file);
+  survey_hdf5(file);
   silence_hdf5();
   impl_->path = file;
-  impl_->file = open_file(file);
+  impl_->file = open_hdf5(file);
+  if (!impl_->file ||
+      H5Ovisit2(impl_->file.id(), H5_INDEX_NAME, H5_ITER_INC, collect_dataset, &impl_->shapes, H5O_INFO_BASIC) < 0) {
+    throw FileError("cannot read " + file.string() + ": not a readable HDF5 file");
+  }
+  impl_->cut_to_common_rows();
 }
 RunReader::~RunReader() = default;
 RunReader::RunReader(RunReader&&) noexcept = default;
 
-bool RunReader::has(const std::string& path) const {
-  return static_cast<bool>(Hdf5Handle(H5Dopen2(impl_->file.id(), path.c_str(), H5P_DEFAULT), H5Dclose));
-}
+bool RunReader::has(const std::string& path) const { return impl_->shapes.contains(path); }
 
 std::vector<std::string> RunReader::datasets() const {
   std::vector<std::string> names;
-  H5Ovisit2(impl_->file.id(), H5_INDEX_NAME, H5_ITER_INC, collect_dataset, &names, H5O_INFO_BASIC);
+  for (const auto& [name, shape] : impl_->shapes) names.push_back(name);
   return names;
 }
 
-Array RunReader::read(const std::string& path) const {
-  const Hdf5Handle set = impl_->open(path);
-  const std::vector<hsize_t> shape = shape_of(set.id());
-  return read_rows(path, 0, shape.empty() ? 1 : shape[0]);
-}
+Array RunReader::read(const std::string& path) const { return read_rows(path, 0, impl_->shape_of(path).front()); }
 
 Array RunReader::read_rows(const std::string& path, std::size_t first, std::size_t count) const {
-  const Hdf5Handle set = impl_->open(path);
-  std::vector<hsize_t> part = shape_of(set.id());
-  if (part.empty() || first + count > part[0]) {
+  std::vector<hsize_t> part = impl_->shape_of(path);
+  if (first + count > part[0]) {
     throw FileError(path + " of " + impl_->path.string() + " ends before row " + std::to_string(first + count));
   }
+  const Hdf5Handle set = impl_->open(path);
   part[0] = count;
   std::vector<hsize_t> start(part.size(), 0);
   start[0] = first;
@@ -120,13 +137,13 @@ Array RunReader::read_rows(const std::string& path, std::size_t first, std::size
 }
 
 std::vector<double> RunReader::read_column(const std::string& path, const std::vector<std::size_t>& index) const {
-  const Hdf5Handle set = impl_->open(path);
-  const std::vector<hsize_t> shape = shape_of(set.id());
+  const std::vector<hsize_t>& shape = impl_->shape_of(path);
   bool inside = shape.size() == index.size() + 1;
   for (std::size_t i = 0; inside && i < index.size(); ++i) inside = index[i] < shape[i + 1];
   if (!inside) throw FileError(path + " of " + impl_->path.string() + " has no such column");
   std::vector<double> values(shape[0]);
   if (values.empty()) return values;
+  const Hdf5Handle set = impl_->open(path);
   std::vector<hsize_t> start(shape.size(), 0), part(shape.size(), 1);
   std::copy(index.begin(), index.end(), start.begin() + 1);
   part[0] = shape[0];
@@ -139,11 +156,15 @@ std::vector<double> RunReader::read_column(const std::string& path, const std::v
 }
 
 std::vector<std::string> RunReader::read_names(const std::string& path) const {
+  const std::vector<hsize_t>& shape = impl_->shape_of(path);
   const Hdf5Handle set = impl_->open(path);
-  const std::vector<hsize_t> shape = shape_of(set.id());
-  std::vector<char*> texts(shape.empty() ? 0 : shape[0], nullptr);
+  const Hdf5Handle stored(H5Dget_type(set.id()), H5Tclose);
+  if (shape.size() != 1 || H5Tget_class(stored.id()) != H5T_STRING) {
+    throw FileError(path + " of " + impl_->path.string() + " holds no list of texts");
+  }
+  std::vector<char*> texts(shape[0], nullptr);
   if (texts.empty()) return {};
-  const Hdf5Handle type = memory_string();
+  const Hdf5Handle type = text_in_memory();
   if (H5Dread(set.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, texts.data()) < 0) {
     fail_hdf5("read " + path, impl_->path);
   }

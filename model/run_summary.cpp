@@ -2,6 +2,7 @@
 
 #include "model/file_json.h"
 #include "model/run.h"
+#include "model/run_layout.h"
 
 namespace grouser {
 namespace {
@@ -36,15 +37,13 @@ double number_or_null(ObjectReader& r, const std::string& key) {
   return value != nullptr && value->is_null() ? k_unknown : r.number(key);
 }
 
-int count(ObjectReader& r, const char* key) { return static_cast<int>(r.integer(key, 0)); }
-
 void read_numbers(ObjectReader& reader, RunSummary& s) {
   reader.object("counts", [&](ObjectReader& r) {
-    s.counts.bodies = count(r, "bodies");
-    s.counts.revolute_joints = count(r, "revolute_joints");
-    s.counts.bushings = count(r, "bushings");
-    s.counts.degrees_of_freedom = count(r, "degrees_of_freedom");
-    s.counts.prescribed = count(r, "prescribed");
+    s.counts.bodies = r.count("bodies", 0);
+    s.counts.revolute_joints = r.count("revolute_joints", 0);
+    s.counts.bushings = r.count("bushings", 0);
+    s.counts.degrees_of_freedom = r.count("degrees_of_freedom", 0);
+    s.counts.prescribed = r.count("prescribed", 0);
   });
   reader.object("steps", [&](ObjectReader& r) {
     s.steps.accepted = r.integer("accepted", 0);
@@ -158,8 +157,10 @@ void write_run_summary(const RunSummary& s, const std::filesystem::path& file) {
 RunFolder open_run(const std::filesystem::path& folder) {
   Scenario scenario = read_scenario(folder / "inputs" / "scenario.json");
   Vehicle vehicle = scenario.vehicle;
-  return {folder, read_run_summary(folder / "run.json"), std::move(vehicle), std::move(scenario),
-          RunReader(folder / "run.h5")};
+  RunFolder run{folder, read_run_summary(folder / "run.json"), std::move(vehicle), std::move(scenario),
+                RunReader(folder / "run.h5")};
+  check_layout(run);
+  return run;
 }
 
 }  // namespace grouser

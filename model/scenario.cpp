@@ -68,13 +68,22 @@ DriveTable read_drive(ObjectReader& r) {
   return drive;
 }
 
+/// No run takes as many steps a second; a chunk of rows must fit into memory.
+double read_rate(ObjectReader& r, const std::string& name, double fallback) {
+  constexpr double k_most = 1e5;  // Hz
+  const double rate = r.quantity_or(name, d::frequency, fallback, Range::positive);
+  if (rate <= k_most) return rate;
+  r.report(r.key_of(name), "a frequency up to 100 kHz", shown(Json(rate)) + " Hz");
+  return fallback;
+}
+
 OutputOptions read_output(ObjectReader& r) {
   OutputOptions output;
-  output.rate = r.quantity_or("rate", d::frequency, output.rate, Range::positive);
-  output.probe_rate = r.quantity_or("probe_rate", d::frequency, output.probe_rate, Range::positive);
+  output.rate = read_rate(r, "rate", output.rate);
+  output.probe_rate = read_rate(r, "probe_rate", output.probe_rate);
   r.each_optional("probes", [&](ObjectReader& p) {
     const Side side = p.choice<Side>("side", {{"left", Side::left}, {"right", Side::right}});
-    output.probes.push_back({side, static_cast<int>(p.integer("link", 0))});
+    output.probes.push_back({side, p.count("link", 0)});
   });
   return output;
 }
@@ -284,6 +293,12 @@ class ScenarioReader {
   }
 
   void check_probes() {
+    constexpr std::size_t k_most = 2000;  // every link of both tracks
+    if (scenario_.output.probes.size() > k_most) {
+      findings_.add("/output/probes", "at most " + std::to_string(k_most) + " probe links",
+                    std::to_string(scenario_.output.probes.size()));
+      return;
+    }
     for (std::size_t i = 0; i < scenario_.output.probes.size(); ++i) {
       const ProbeLink& probe = scenario_.output.probes[i];
       const std::string place = "/output/probes/" + std::to_string(i);

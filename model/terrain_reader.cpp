@@ -34,9 +34,11 @@ RandomRoad read_road(ObjectReader& r) {
   road.seed = static_cast<std::uint64_t>(r.integer("seed", 0));
   road.start = r.quantity_or("start", d::length, road.start);
   road.length = r.quantity("length", d::length, Range::positive);
-  if (road.length < 20.0) {
+  constexpr double k_least = 20.0, k_most = 5000.0;  // m; the work to make one grows with the square
+  if (road.length < k_least) {
     r.report(r.key_of("length"), "20 m or more: 5 m at each end lead in and out", shown(Json(road.length)) + " m");
   }
+  if (road.length > k_most) r.report(r.key_of("length"), "5000 m or less", shown(Json(road.length)) + " m");
   return road;
 }
 

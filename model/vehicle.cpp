@@ -10,6 +10,9 @@ namespace {
 
 namespace d = dimension;
 
+// No vehicle has a tenth of it; a slip of the keyboard must not ask for all memory.
+constexpr long k_most_links = 1000, k_most_teeth = 200;
+
 enum class BodyKind { massive, at_own_origin };
 
 MassProperties read_mass_properties(ObjectReader& r, BodyKind kind = BodyKind::massive) {
@@ -124,7 +127,7 @@ Sprocket read_sprocket(ObjectReader& r) {
   Sprocket sprocket;
   sprocket.body = read_mass_properties(r, BodyKind::at_own_origin);
   sprocket.center = r.vector("center", d::length);
-  sprocket.teeth = static_cast<int>(r.integer("teeth", 5));
+  sprocket.teeth = r.count("teeth", 5, k_most_teeth);
   sprocket.tip_radius = r.quantity("tip_radius", d::length, Range::positive);
   sprocket.base_radius = r.quantity("base_radius", d::length, Range::positive);
   sprocket.flank_angle = r.quantity("flank_angle", d::angle, Range::non_negative);
@@ -184,7 +187,7 @@ void read_connector_body(ObjectReader& r, Track& track) {
 
 Track read_track(ObjectReader& r) {
   Track track;
-  track.num_links = static_cast<int>(r.integer("links", 10));
+  track.num_links = r.count("links", 10, k_most_links);
   track.pitch = r.quantity("pitch", d::length, Range::positive);
   track.connection = r.choice<Connection>(
       "connection", {{"single_pin", Connection::single_pin}, {"double_pin", Connection::double_pin}});
@@ -210,6 +213,10 @@ Track read_track(ObjectReader& r) {
 
 RunningGear read_running_gear(ObjectReader& r) {
   RunningGear gear;
+  if (const Json* mirror = r.raw("mirror")) {  // not filled in: there is nothing to take it from
+    r.report("mirror", "the name of the other side, and that side given in full", shown(*mirror));
+    return gear;
+  }
   gear.track_center_y = r.quantity("track_center_y", d::length);
   r.object("sprocket", [&](ObjectReader& s) { gear.sprocket = read_sprocket(s); });
   r.object("idler", [&](ObjectReader& i) { gear.idler = read_idler(i); });

@@ -6,11 +6,11 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 
 #include "model/csv.h"
 #include "model/errors.h"
 #include "model/findings.h"
+#include "model/input_file.h"
 #include "model/units.h"
 
 namespace grouser {
@@ -223,8 +223,7 @@ void check_rising(const std::vector<double>& time, const std::string& column, Fi
 
 Measurement read_measurement(const std::filesystem::path& file, const std::vector<RunChannel>& channels,
                              const ReportOptions& options) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw FileError("cannot read " + file.string() + ": " + std::strerror(errno));
+  std::ifstream stream = open_input(file);
   Findings findings(file.string());
   CsvReader table(stream, findings);
   findings.throw_if_any();

@@ -1,0 +1,254 @@
+#include "model/hdf5_survey.h"
+
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "model/hdf5_handle.h"
+
+namespace grouser {
+namespace {
+
+constexpr hsize_t k_most_objects = 100'000, k_most_chunk_bytes = 64u << 20, k_most_texts = 1'000'000;
+constexpr hsize_t k_most_deflated = 1032;  // times; what zlib can make of a byte
+constexpr rlim_t k_most_memory = rlim_t{1} << 30, k_most_seconds = 60;
+
+/// What the visits of one file find.
+struct Survey {
+  hid_t file;
+  hsize_t objects = 0;
+  std::string fault;  ///< empty: none
+};
+
+/// A link into another file, or by name, leads where nobody looked.
+herr_t visit_link(hid_t, const char* name, const H5L_info_t* info, void* data) {
+  Survey& survey = *static_cast<Survey*>(data);
+  if (++survey.objects > k_most_objects) survey.fault = "more than " + std::to_string(k_most_objects) + " objects";
+  if (info->type != H5L_TYPE_HARD) survey.fault = std::string("/") + name + " is a link to another place";
+  return survey.fault.empty() ? 0 : 1;
+}
+
+bool is_number(hid_t type) { return H5Tequal(type, H5T_IEEE_F64LE) > 0 || H5Tequal(type, H5T_IEEE_F32LE) > 0; }
+bool is_text(hid_t type) { return H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) > 0; }
+
+constexpr int k_most_dimensions = 4;
+struct Shape {
+  int rank = 0;
+  std::array<hsize_t, k_most_dimensions> length{};
+  hsize_t values = 1;
+};
+
+/// With a fault where no file could hold it.
+Shape shape_of(hid_t space, std::string& fault) {
+  Shape shape;
+  shape.rank = H5Sget_simple_extent_ndims(space);
+  if (shape.rank < 1 || shape.rank > k_most_dimensions) {
+    fault = "has " + std::to_string(shape.rank) + " dimensions";
+    return {};
+  }
+  H5Sget_simple_extent_dims(space, shape.length.data(), nullptr);
+  for (int i = 0; i < shape.rank; ++i) {
+    const hsize_t length = shape.length[static_cast<std::size_t>(i)];
+    if (__builtin_mul_overflow(shape.values, length, &shape.values)) fault = "claims more values than can be counted";
+  }
+  return shape;
+}
+
+/// Bytes of one chunk; 0 where the dataset is not chunked. A fault names what a run never has.
+hsize_t chunk_bytes(hid_t creation, hsize_t value_size, int rank, std::string& fault) {
+  if (H5Pget_external_count(creation) != 0) fault = "stores its values in another file";
+  const H5D_layout_t layout = H5Pget_layout(creation);
+  if (layout == H5D_CONTIGUOUS || layout == H5D_COMPACT) return 0;
+  std::array<hsize_t, k_most_dimensions> chunk{};
+  if (layout != H5D_CHUNKED || H5Pget_chunk(creation, rank, chunk.data()) != rank) fault = "is no stored dataset";
+  hsize_t bytes = value_size;
+  for (int i = 0; i < rank && fault.empty(); ++i) {
+    const bool fits = !__builtin_mul_overflow(bytes, chunk[static_cast<std::size_t>(i)], &bytes);
+    if (!fits || bytes > k_most_chunk_bytes)
+      fault = "has chunks above " + std::to_string(k_most_chunk_bytes >> 20) + " MB";
+  }
+  return bytes;
+}
+
+bool is_deflated(hid_t creation, std::string& fault) {
+  bool deflated = false;
+  for (int i = 0; i < H5Pget_nfilters(creation); ++i) {
+    unsigned flags = 0, configuration = 0;
+    std::size_t no_values = 0;
+    const H5Z_filter_t filter =
+        H5Pget_filter2(creation, static_cast<unsigned>(i), &flags, &no_values, nullptr, 0, nullptr, &configuration);
+    deflated = deflated || filter == H5Z_FILTER_DEFLATE;
+    if (filter != H5Z_FILTER_DEFLATE && filter != H5Z_FILTER_SHUFFLE)
+      fault = "passes a filter other than shuffle and gzip";
+  }
+  return deflated;
+}
+
+void read_texts(hid_t set, hid_t space, hsize_t count, std::string& fault) {
+  if (count > k_most_texts) {
+    fault = "claims " + std::to_string(count) + " texts";
+    return;
+  }
+  std::vector<char*> texts(count, nullptr);
+  const Hdf5Handle type = text_in_memory();
+  if (count == 0) return;
+  if (H5Dread(set, type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, texts.data()) < 0) fault = "has texts that cannot be read";
+  H5Dvlen_reclaim(type.id(), space, H5P_DEFAULT, texts.data());
+}
+
+/// Reads a deflated dataset once, a block of rows after the other: only reading shows what a chunk unpacks to.
+void read_through(hid_t set, hid_t space, const Shape& shape, std::string& fault) {
+  if (shape.values == 0) return;
+  const hsize_t rows = shape.length[0], row_size = shape.values / rows;
+  constexpr hsize_t k_block_values = 1 << 20;
+  std::vector<double> values;
+  std::array<hsize_t, k_most_dimensions> start{}, part = shape.length;
+  for (hsize_t first = 0; first < rows && fault.empty(); first += part[0]) {
+    start[0] = first;
+    part[0] = std::min(rows - first, std::max<hsize_t>(1, k_block_values / row_size));
+    values.resize(part[0] * row_size);
+    const Hdf5Handle memory(H5Screate_simple(shape.rank, part.data(), nullptr), H5Sclose);
+    H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, part.data(), nullptr);
+    if (H5Dread(set, H5T_NATIVE_DOUBLE, memory.id(), space, H5P_DEFAULT, values.data()) < 0)
+      fault = "cannot be unpacked";
+  }
+}
+
+void survey_unit(hid_t set, std::string& fault) {
+  if (H5Aget_num_attrs(set) == 0) return;
+  const Hdf5Handle unit(H5Aopen(set, "unit", H5P_DEFAULT), H5Aclose),
+      space(unit ? H5Aget_space(unit.id()) : -1, H5Sclose);
+  const Hdf5Handle stored(unit ? H5Aget_type(unit.id()) : -1, H5Tclose), type = text_in_memory();
+  char* text = nullptr;
+  if (!unit || !is_text(stored.id()) || H5Sget_simple_extent_type(space.id()) != H5S_SCALAR ||
+      H5Aread(unit.id(), type.id(), &text) < 0) {
+    fault = "has a unit that is no text";
+  }
+  H5free_memory(text);
+}
+
+void survey_dataset(hid_t set, std::string& fault) {
+  const Hdf5Handle type(H5Dget_type(set), H5Tclose), space(H5Dget_space(set), H5Sclose);
+  const Hdf5Handle creation(H5Dget_create_plist(set), H5Pclose);
+  if (!type || !space || !creation) {
+    fault = "cannot be opened";
+    return;
+  }
+  const bool texts = is_text(type.id());
+  if (!texts && !is_number(type.id())) fault = "holds neither 32- or 64-bit numbers nor texts";
+  const Shape shape = shape_of(space.id(), fault);
+  const hsize_t count = shape.values, value_size = H5Tget_size(type.id());
+  if (!fault.empty()) return;
+  const hsize_t chunk = chunk_bytes(creation.id(), value_size, shape.rank, fault);
+  const bool deflated = is_deflated(creation.id(), fault);
+  hsize_t chunks = 0;
+  if (fault.empty() && chunk > 0 && H5Dget_num_chunks(set, space.id(), &chunks) < 0)
+    fault = "has an index that cannot be read";
+  const hsize_t stored = H5Dget_storage_size(set);
+  if (count / (deflated ? k_most_deflated : 1) > stored / value_size ||
+      (chunk > 0 && count > chunks * (chunk / value_size))) {
+    fault = "claims " + std::to_string(count) + " values, of which " + std::to_string(stored) + " bytes are stored";
+  }
+  if (!fault.empty()) return;
+  survey_unit(set, fault);
+  if (texts) read_texts(set, space.id(), count, fault);
+  if (!texts && deflated) read_through(set, space.id(), shape, fault);
+}
+
+herr_t visit_object(hid_t file, const char* name, const H5O_info_t* info, void* data) {
+  Survey& survey = *static_cast<Survey*>(data);
+  std::string fault;
+  if (info->type == H5O_TYPE_DATASET) {
+    const Hdf5Handle set(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose);
+    if (set) survey_dataset(set.id(), fault);
+    if (!set) fault = "cannot be opened";
+  } else if (info->type != H5O_TYPE_GROUP) {
+    fault = "is neither a group nor a dataset";
+  }
+  if (!fault.empty()) survey.fault = std::string("/") + name + " " + fault;
+  return fault.empty() ? 0 : 1;
+}
+
+/// What is wrong with the file; empty for nothing.
+std::string fault_of(const std::filesystem::path& path) {
+  silence_hdf5();
+  const Hdf5Handle file = open_hdf5(path);
+  if (!file) return "not a readable HDF5 file";
+  Survey survey{file.id(), 0, {}};
+  const bool links = H5Lvisit(file.id(), H5_INDEX_NAME, H5_ITER_INC, visit_link, &survey) >= 0;
+  const bool objects = links && survey.fault.empty() &&
+                       H5Ovisit2(file.id(), H5_INDEX_NAME, H5_ITER_INC, visit_object, &survey, H5O_INFO_BASIC) >= 0;
+  if (survey.fault.empty() && !objects) return "a damaged HDF5 file";
+  return survey.fault;
+}
+
+/// May crash, at no cost to the program.
+void prepare_for_the_worst() {
+  for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
+  std::size_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  const auto now = static_cast<rlim_t>(pages) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
+  const rlimit memory{now + k_most_memory, now + k_most_memory}, time{k_most_seconds, k_most_seconds}, none{0, 0};
+  setrlimit(RLIMIT_AS, &memory);
+  setrlimit(RLIMIT_CPU, &time);
+  setrlimit(RLIMIT_CORE, &none);
+}
+
+[[noreturn]] void survey_as_child(const std::filesystem::path& file, int to_parent) {
+  prepare_for_the_worst();
+  std::string fault;
+  try {
+    fault = fault_of(file);
+  } catch (const std::exception&) {  // std::bad_alloc: a size that the file only claims
+    fault = "a size that does not fit into memory";
+  }
+  const ssize_t written = ::write(to_parent, fault.data(), std::min<std::size_t>(fault.size(), 4096));
+  _exit(written == static_cast<ssize_t>(std::min<std::size_t>(fault.size(), 4096)) ? 0 : 1);
+}
+
+std::string take_all(int from) {
+  std::string text;
+  std::array<char, 512> part{};
+  ssize_t count = 0;
+  while ((count = ::read(from, part.data(), part.size())) > 0 || (count < 0 && errno == EINTR)) {
+    if (count > 0) text.append(part.data(), static_cast<std::size_t>(count));
+  }
+  ::close(from);
+  return text;
+}
+
+int status_of(pid_t child) {
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return status;
+}
+
+}  // namespace
+
+void survey_hdf5(const std::filesystem::path& file) {
+  const std::string refusal = "cannot read " + printable(file.string()) + ": ";
+  std::array<int, 2> ends{};
+  if (::pipe(ends.data()) != 0) throw FileError(refusal + std::strerror(errno));
+  const pid_t child = ::fork();
+  if (child == 0) survey_as_child(file, ends[1]);
+  ::close(ends[1]);
+  const std::string fault = take_all(ends[0]);
+  if (child < 0) throw FileError(refusal + std::strerror(errno));
+  const int status = status_of(child);
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+    throw FileError(refusal + "a damaged HDF5 file, on which the HDF5 library itself fails");
+  }
+  if (!fault.empty()) throw FileError(refusal + printable(fault));
+}
+
+}  // namespace grouser
