@@ -1,5 +1,6 @@
 #pragma once
 #include <cmath>
+#include <type_traits>
 
 #include "model/bushing.h"
 
@@ -53,12 +54,39 @@ struct MaxwellStep {
   double work_per_way = 0.0;  ///< stiffness * (1 - gain_share) * tau / h [N/m]; -> stiffness / 2 for h -> 0
   double compliance = 0.0;    ///< 1 / (2 stiffness) [m/N]
 };
+/// What a branch has relaxed by after x = h / tau >= 0: 1 - e^-x, that over x, and what the latter lacks of 1 over x.
+/// T: double, or several branches at once.
+template <typename T>
+struct Relaxation {
+  T lost, share, rest;
+};
+template <typename T>
+[[nodiscard]] inline Relaxation<T> relaxation(const T& x) {
+  using std::exp;
+  constexpr double k_short = 0.25;  // the series of the rest ends below round-off there; 1 - e^-x cancels little beyond
+  T rest = 1.0 / 479001600.0;
+  for (const double factorial : {39916800.0, 3628800.0, 362880.0, 40320.0, 5040.0, 720.0, 120.0, 24.0, 6.0, 2.0})
+    rest = 1.0 / factorial - x * rest;
+  const T share = 1.0 - x * rest;
+  const Relaxation<T> soon{x * share, share, rest};
+  const auto after = [](const T& long_x) -> Relaxation<T> {
+    const T lost = 1.0 - exp(-long_x), of_way = lost / long_x;
+    return {lost, of_way, (1.0 - of_way) / long_x};
+  };
+  if constexpr (std::is_floating_point_v<T>) {
+    return x < k_short ? soon : after(x);
+  } else {
+    const auto is_short = x < k_short;
+    const Relaxation<T> late = after(x.max(k_short));
+    return {choose(is_short, soon.lost, late.lost), choose(is_short, soon.share, late.share),
+            choose(is_short, soon.rest, late.rest)};
+  }
+}
+[[nodiscard]] inline MaxwellStep maxwell_step(double stiffness, const Relaxation<double>& relaxed) {
+  return {1.0 - relaxed.lost, stiffness * relaxed.share, relaxed.share, stiffness * relaxed.rest, 0.5 / stiffness};
+}
 [[nodiscard]] inline MaxwellStep maxwell_step(const MaxwellBranch& branch, double h) {
-  const double k = branch.stiffness, ratio = h / branch.relaxation_time;
-  const double lost = -std::expm1(-ratio);
-  const bool some = ratio > 1e-12;
-  const double share = some ? lost / ratio : 1.0;
-  return {1.0 - lost, k * share, share, some ? k * (1.0 - share) / ratio : 0.5 * k, 0.5 / k};
+  return maxwell_step(branch.stiffness, relaxation(h / branch.relaxation_time));
 }
 
 }  // namespace grouser

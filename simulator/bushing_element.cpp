@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "model/bushing_law.h"
+#include "simulator/lane_exponential.h"
 
 namespace grouser {
 namespace {
@@ -81,14 +82,21 @@ void rotate(const BodyLanes& own, const BodyLanes& next, ElementKinematics& k) {
 }
 
 /// Goes through the rows that eight joints remember in, one element of the law after the other; the axes follow each
-/// other.
+/// other. One number moves, which stays in a register: pairs of pointers went through memory.
 struct MemoryRows {
   const double* before;
   double* after;
-  std::ptrdiff_t length_before, length_after;
+  std::ptrdiff_t length, at = 0;
   MemoryRows(const Field& from, Field& to, int joint)
-      : before(from[0] + joint), after(to[0] + joint), length_before(from.length()), length_after(to.length()) {}
-  void next() { before += length_before, after += length_after; }
+      : before(from[0] + joint), after(to[0] + joint), length(from.length()) {}
+  [[nodiscard]] Lanes old() const { return load(before + at); }
+  /// Stores what becomes of the row, asks for the line that the next block will write there (the rows of a track fill
+  /// the first cache several times over) and goes on to the next row.
+  void keep(const Lanes& moved) {
+    store(after + at, moved);
+    __builtin_prefetch(after + at + k_lanes, 1);
+    at += length;
+  }
 };
 
 struct AxisForce {
@@ -98,9 +106,8 @@ struct AxisForce {
 void add_stops(const CompiledAxis& axis, const Lanes& dx, MemoryRows& rows, AxisForce& sum, ElementEnergy& energy) {
   Lanes twice_stored = 0.0;
   for (const FrictionStop& stop : axis.stops) {
-    const Lanes old = load(rows.before), moved = advance_stop(old, dx, stop.yield), f = stop.stiffness * moved;
-    store(rows.after, moved);
-    rows.next();
+    const Lanes old = rows.old(), moved = advance_stop(old, dx, stop.yield), f = stop.stiffness * moved;
+    rows.keep(moved);
     sum.force += f;
     twice_stored += f * moved;
     energy.step_loss += f * stop_slip(old, moved, dx);
@@ -116,9 +123,8 @@ void add_stops(const CompiledAxis& axis, const Lanes& dx, MemoryRows& rows, Axis
   const Lanes scale_before = yield_scale(axis.yield_growth, x - dx), scale_after = yield_scale(axis.yield_growth, x);
   for (const FrictionStop& stop : axis.stops) {
     const Lanes yield = stop.yield * scale_after, mean_yield = 0.5 * stop.yield * (scale_before + scale_after);
-    const Lanes old = load(rows.before), moved = advance_stop(old, dx, yield);
-    store(rows.after, moved);
-    rows.next();
+    const Lanes old = rows.old(), moved = advance_stop(old, dx, yield);
+    rows.keep(moved);
     sum.force += stop.stiffness * moved;
     energy.stored += (0.5 * stop.stiffness) * moved.square();
     energy.step_loss += stop.stiffness * mean_yield * stop_slip(old, moved, dx).abs();
@@ -130,9 +136,8 @@ void add_branches(const AxisBranches& branches, const Lanes& dx, MemoryRows& row
                   ElementEnergy& energy) {
   Lanes carried = branches.work_per_way * dx, stored = 0.0, stored_before = 0.0;
   for (const MaxwellStep& branch : branches.branch) {
-    const Lanes old = load(rows.before), moved = branch.decay * old + branch.gain * dx;
-    store(rows.after, moved);
-    rows.next();
+    const Lanes old = rows.old(), moved = branch.decay * old + branch.gain * dx;
+    rows.keep(moved);
     sum.force += moved;
     carried += branch.gain_share * old;
     stored += branch.compliance * moved.square();
@@ -245,10 +250,16 @@ ElementKinematics element_kinematics(const BodyLanes& own, const BodyLanes& next
 
 void prepare_branches(const CompiledAxis& axis, double h, AxisBranches& branches) {
   branches.gain = branches.work_per_way = 0.0;
-  for (std::size_t m = 0; m < axis.branches.size(); ++m) {
-    branches.branch[m] = maxwell_step(axis.branches[m], h);
-    branches.gain += branches.branch[m].gain;
-    branches.work_per_way += branches.branch[m].work_per_way;
+  for (std::size_t block = 0; block < axis.relaxation_rate.size(); ++block) {
+    const auto [lost, share, rest] = relaxation(h * axis.relaxation_rate[block]);
+    const std::size_t first = k_lanes * block, count = std::min<std::size_t>(k_lanes, axis.branches.size() - first);
+    for (std::size_t k = 0; k < count; ++k) {
+      const int lane = static_cast<int>(k);
+      MaxwellStep& step = branches.branch[first + k];
+      step = maxwell_step(axis.branches[first + k].stiffness, {lost[lane], share[lane], rest[lane]});
+      branches.gain += step.gain;
+      branches.work_per_way += step.work_per_way;
+    }
   }
 }
 

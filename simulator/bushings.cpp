@@ -10,10 +10,9 @@ namespace {
 Lanes lane_mask(int valid) { return choose(LaneMask::first(valid), 1.0, 0.0); }
 
 /// What the output and the stability bound take from eight bushings.
-void store_bushings(const ElementKinematics& k, const RubberLoad& rubber, int joint, double scale, Workspace& work) {
-  for (std::size_t a = 0; a < k_num_axes; ++a) {
+void store_bushings(const RubberLoad& rubber, int joint, double scale, Workspace& work) {
+  for (std::size_t a = 0; a < k_num_axes && work.bounds_step; ++a) {
     const int row = static_cast<int>(a);
-    store(work.deflection[row] + joint, k.deflection[a]);
     store(work.joint_stiffness[row] + joint, scale * rubber.stiffness[a]);
     store(work.joint_damping[row] + joint, scale * rubber.damping[a]);
   }
@@ -27,6 +26,45 @@ void store_wrench(const ElementWrench& wrench, int joint, Workspace& work) {
   store3(work.joint_torque_next_W, joint, wrench.torque_next);
   store3(work.joint_torque_own_W, joint, wrench.torque_own);
 }
+
+/// The lanes one place further: the last of `before`, then all of `now` but its last.
+Lanes3 one_behind(const Lanes3& before, const Lanes3& now) {
+  const auto shift = [](const Lanes& a, const Lanes& b) -> Lanes {
+    return __builtin_shufflevector(a.values(), b.values(), 7, 8, 9, 10, 11, 12, 13, 14);
+  };
+  return {shift(before.x, now.x), shift(before.y, now.y), shift(before.z, now.z)};
+}
+
+/// Begins the links' sums with the wrenches of the joints around them, while those are at hand.
+class LinkSums {
+ public:
+  LinkSums(const CompiledTrack& track, Workspace& work) : track_(track), work_(work) {}
+
+  /// Joints from `joint` on, block by block in their order, each link's own ahead of it.
+  void add(const ElementWrench& wrench, int joint) {
+    store_wrench(wrench, joint, work_);
+    const Lanes3 none{0.0, 0.0, 0.0};
+    const LaneMask valid = LaneMask::first(track_.offset + track_.num_links - joint);
+    store3(work_.force_W, joint, choose(valid, one_behind(force_, wrench.force) - wrench.force, none));
+    store3(work_.torque_W, joint, choose(valid, one_behind(torque_, wrench.torque_next) - wrench.torque_own, none));
+    force_ = wrench.force;
+    torque_ = wrench.torque_next;
+  }
+  /// The first link lacks the last joint behind it; the copy behind the last link begins with nothing.
+  void close() {
+    const int first = track_.offset, end = first + track_.num_links;
+    for (int c = 0; c < 3; ++c) {
+      work_.force_W[c][first] += work_.joint_force_W[c][end - 1];
+      work_.torque_W[c][first] += work_.joint_torque_next_W[c][end - 1];
+      work_.force_W[c][end] = work_.torque_W[c][end] = 0.0;
+    }
+  }
+
+ private:
+  const CompiledTrack& track_;
+  Workspace& work_;
+  Lanes3 force_{0.0, 0.0, 0.0}, torque_{0.0, 0.0, 0.0};  ///< on the link ahead, of the joints before
+};
 
 void book_energy(const ElementEnergy& energy, const Lanes& mask, EnergyTerms& terms) {
   terms.bushing += (mask * energy.stored).sum();
@@ -47,15 +85,17 @@ ElementWrench scaled(double scale, const ElementWrench& wrench) {
 void single_pins(const RubberStep& step, const State& state, double scale, Workspace& work) {
   const CompiledTrack& track = step.track;
   const ElementShape shape{track.groove, -track.groove};
+  LinkSums sums(track, work);
   for (int first = 0; first < track.num_links; first += k_lanes) {
     const int i = track.offset + first;
     const BodyLanes own = load_bodies(state, work, i), next = load_bodies(state, work, i + 1);
     const ElementKinematics k = element_kinematics(own, next, shape);
     const RubberLoad rubber = rubber_load(step, k, i);
-    store_bushings(k, rubber, i, scale, work);
-    store_wrench(element_wrench(own, next, k, scaled(scale, rubber.force)), i, work);
+    store_bushings(rubber, i, scale, work);
+    sums.add(element_wrench(own, next, k, scaled(scale, rubber.force)), i);
     book_energy(rubber.energy, scale * lane_mask(track.num_links - first), work.energy);
   }
+  sums.close();
 }
 
 /// Lanes from `valid` on repeat the last valid one: the padding behind a track's last joint is no joint.
@@ -105,6 +145,7 @@ ElementWrench wrench_between_shoes(const DoublePinJoints& joints, const BodyLane
 /// Double pin with massless connectors.
 void condensed_double_pins(const RubberStep& step, const State& state, double scale, Workspace& work) {
   const CompiledTrack& track = step.track;
+  LinkSums sums(track, work);
   for (int first = 0; first < track.num_links; first += k_lanes) {
     const DoublePinRows rows{track.offset + first, track.connector_offset + first};
     const int valid = std::min(k_lanes, track.num_links - first);
@@ -112,13 +153,35 @@ void condensed_double_pins(const RubberStep& step, const State& state, double sc
     repeat_last(valid, link);
     repeat_last(valid, next);
     const DoublePinJoints joints = balance_connectors(step, link, next, rows, valid);
-    store_bushings(joints.front.kinematics, joints.front.rubber, rows.front, scale, work);
-    store_bushings(joints.rear.kinematics, joints.rear.rubber, rows.rear, scale, work);
-    condense_tangents(track, rows, work);
-    store_wrench(scaled(scale, wrench_between_shoes(joints, link, next)), rows.front, work);
+    store_bushings(joints.front.rubber, rows.front, scale, work);
+    store_bushings(joints.rear.rubber, rows.rear, scale, work);
+    if (work.bounds_step) condense_tangents(track, rows, work);
+    sums.add(scaled(scale, wrench_between_shoes(joints, link, next)), rows.front);
     const Lanes mask = scale * lane_mask(valid);
     book_energy(joints.front.rubber.energy, mask, work.energy);
     book_energy(joints.rear.rubber.energy, mask, work.energy);
+  }
+  sums.close();
+}
+
+/// The wrenches of both bushings of every joint on shoes and connectors.
+void sum_connector_forces(const CompiledTrack& track, Workspace& work) {
+  const int n = track.num_links;
+  for (int c = 0; c < 3; ++c) {
+    double* force = work.force_W[c];
+    double* torque = work.torque_W[c];
+    const double* on_next = work.joint_force_W[c];
+    const double* next = work.joint_torque_next_W[c];
+    const double* own = work.joint_torque_own_W[c];
+    for (int k = 0; k < n; ++k) {
+      const int link = track.offset + k, rear = track.connector_offset + k;
+      const int behind = track.connector_offset + (k + n - 1) % n;  // the rear bushing of the joint before
+      force[link] = -(on_next[link] + on_next[behind]);
+      torque[link] = -(own[link] + own[behind]);
+      force[rear] = on_next[link] + on_next[rear];
+      torque[rear] = next[link] + next[rear];
+    }
+    force[track.offset + n] = torque[track.offset + n] = 0.0;  // the copy of the first link
   }
 }
 
@@ -133,11 +196,12 @@ void double_pins(const RubberStep& step, const State& state, double scale, Works
     evaluate_bushings(step, link, next, rows, joints);
     const Lanes mask = scale * lane_mask(track.num_links - first);
     for (const auto& [bushings, row] : {std::pair(&joints.front, rows.front), std::pair(&joints.rear, rows.rear)}) {
-      store_bushings(bushings->kinematics, bushings->rubber, row, scale, work);
+      store_bushings(bushings->rubber, row, scale, work);
       store_wrench(scaled(scale, bushings->wrench), row, work);
       book_energy(bushings->rubber.energy, mask, work.energy);
     }
   }
+  sum_connector_forces(track, work);
 }
 
 void track_bushings(const CompiledTrack& track, const AssemblyKnobs& knobs, const History& before, double h,
@@ -154,26 +218,6 @@ void track_bushings(const CompiledTrack& track, const AssemblyKnobs& knobs, cons
       return condensed_double_pins(step, state, knobs.stiffness_scale, work);
     case JointForm::connector_bodies:
       return double_pins(step, state, knobs.stiffness_scale, work);
-  }
-}
-
-/// The wrenches of both bushings of every joint on shoes and connectors.
-void sum_connector_forces(const CompiledTrack& track, Workspace& work) {
-  const int n = track.num_links;
-  for (int c = 0; c < 3; ++c) {
-    double* force = work.force_W[c];
-    double* torque = work.torque_W[c];
-    const double* on_next = work.joint_force_W[c];
-    const double* next = work.joint_torque_next_W[c];
-    const double* own = work.joint_torque_own_W[c];
-    for (int k = 0; k < n; ++k) {
-      const int link = track.offset + k, rear = track.connector_offset + k;
-      const int behind = track.connector_offset + (k + n - 1) % n;  // the rear bushing of the joint before
-      force[link] -= on_next[link] + on_next[behind];
-      torque[link] -= own[link] + own[behind];
-      force[rear] += on_next[link] + on_next[rear];
-      torque[rear] += next[link] + next[rear];
-    }
   }
 }
 
@@ -214,29 +258,6 @@ void place_links(const System& system, const State& state, Workspace& work) {
 void bushing_forces(const System& system, const AssemblyKnobs& knobs, const History& before, double h, State& state,
                     Workspace& work) {
   for (const CompiledTrack& track : system.tracks) track_bushings(track, knobs, before, h, state, work);
-}
-
-void sum_joint_forces(const System& system, Workspace& work) {
-  for (const CompiledTrack& track : system.tracks) {
-    if (track.joint == JointForm::connector_bodies) {
-      sum_connector_forces(track, work);
-      continue;
-    }
-    const int first = track.offset, last = track.offset + track.num_links - 1;
-    for (int c = 0; c < 3; ++c) {
-      double* force = work.force_W[c];
-      double* torque = work.torque_W[c];
-      const double* joint = work.joint_force_W[c];
-      const double* next = work.joint_torque_next_W[c];
-      const double* own = work.joint_torque_own_W[c];
-      force[first] += joint[last] - joint[first];
-      torque[first] += next[last] - own[first];
-      for (int i = first + 1; i <= last; ++i) {
-        force[i] += joint[i - 1] - joint[i];
-        torque[i] += next[i - 1] - own[i];
-      }
-    }
-  }
 }
 
 void place_connectors(const System& system, State& state) {

@@ -16,12 +16,10 @@ void place_links(const System& system, const State& state, Workspace& work);
 /// conserved.
 ///
 /// before: the last accepted state (its history is the rubber's memory). h: length of the step from `before` to
-/// `state`, 0 for an evaluation without a step. Writes state.history's rubber parts and the joint arrays of `work`.
+/// `state`, 0 for an evaluation without a step. Writes state.history's rubber parts and the joint arrays of `work`, and
+/// begins the links' force and torque sums.
 void bushing_forces(const System& system, const AssemblyKnobs& knobs, const History& before, double h, State& state,
                     Workspace& work);
-
-/// Adds the joint wrenches to the links' force and torque sums.
-void sum_joint_forces(const System& system, Workspace& work);
 
 /// Puts connectors that are bodies in line with their bores, moving with their shoes.
 void place_connectors(const System& system, State& state);

@@ -119,7 +119,7 @@ void fill_track(const CompiledTrack& track, const Snapshot& at, RowFiller& row) 
   all(at.work.angular_velocity_W);
   all(at.work.bushing_force);
   all(at.work.bushing_torque);
-  all(at.work.deflection);
+  all(at.state.history.deflection);
   for (const Field& force : at.work.contact_force_W) all(force);
 }
 
@@ -136,7 +136,7 @@ void fill_probe(const CompiledTrack& track, const ProbeLink& probe, const Snapsh
   const int i = track.offset + probe.link;
   row.put(at.work.bushing_force, i);
   row.put(at.work.bushing_torque, i);
-  row.put(at.work.deflection, i);
+  row.put(at.state.history.deflection, i);
   for (const Field& force : at.work.contact_force_W) row.put(force, i);
 }
 

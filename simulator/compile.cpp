@@ -92,6 +92,9 @@ CompiledAxis compile_axis(const AxisLaw& law, int& stop_row, int& branch_row) {
   for (const FrictionStop& stop : law.stops) axis.stop_stiffness += stop.stiffness;
   axis.yield_growth = law.yield_growth;
   axis.branches = law.branches;
+  axis.relaxation_rate.assign((law.branches.size() + k_lanes - 1) / k_lanes, 0.0);
+  for (std::size_t m = 0; m < law.branches.size(); ++m)
+    axis.relaxation_rate[m / k_lanes].set(static_cast<int>(m % k_lanes), 1.0 / law.branches[m].relaxation_time);
   axis.viscous = law.viscous;
   axis.first_stop = stop_row;
   axis.first_branch = branch_row;
@@ -236,6 +239,15 @@ void share_contacts(const Tree& tree, CompiledTrack& track) {
   track.sprocket.share = contact_share(tree, track.sprocket.body, track.sprocket.pitch_radius, moving, wrapped);
 }
 
+/// What of a link may touch a disc pair.
+void find_reach(const CompiledTrack& track, CompiledDiscs& discs) {
+  constexpr double k_deepest = 0.03;  // m of penetration, for the length of the patch
+  const double patch = std::sqrt(2.0 * discs.radius * k_deepest);
+  discs.reach_along = std::max(track.pitch, 0.5 * track.pitch + patch);
+  discs.reach_up = discs.radius + std::max(track.wheel_path_height + track.guide_height, 0.0);
+  discs.reach = std::hypot(discs.reach_along, discs.reach_up);
+}
+
 /// f(-x) = -f(x) over the whole curve, to the round-off of a file.
 bool is_odd(const SpringSpline& spring) {
   constexpr double k_round_off = 1e-12;
@@ -318,6 +330,7 @@ System compile(const Scenario& scenario) {
     system.link_array_length += padded_length(track.num_links);
     add_running_gear(system, gear, side, scenario.drive[static_cast<std::size_t>(index_of(side))]);
     share_contacts(system.tree, track);
+    for (CompiledDiscs& discs : track.discs) find_reach(track, discs);
     mass += track.num_links * track.mass;  // a link and its connector, whether that is a body or not
     reserve_rubber(track, system);
     // A bristle a point for the surface, and one more where half rounds stand on it.

@@ -34,7 +34,10 @@ inline constexpr double k_least_force = 1e-200;  ///< N; keeps 0 / 0 away from l
 
 /// Forces on eight links in a row and their moments about the links' centres.
 struct LinkLoads {
-  Lanes3 force = in_all_lanes(Vector3d::Zero()), torque = force;
+  Lanes3 force, torque;
+  [[nodiscard]] static LinkLoads none() { return {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}; }
+  /// A force at `arm` from the centres.
+  [[nodiscard]] static LinkLoads at(const Lanes3& arm, const Lanes3& f) { return {f, cross(arm, f)}; }
   void add(const Lanes3& arm, const Lanes3& f) {
     force = force + f;
     torque = torque + cross(arm, f);
@@ -44,37 +47,37 @@ struct LinkLoads {
 void push_links(Workspace& work, int first, const LinkLoads& load_W, Partner partner);
 /// Notes which part of them damps or rubs.
 void note_losses(Workspace& work, int first, const LinkLoads& lost_W);
-/// Forces on a body of the tree, gathered in lanes, in W, with their moments about the base's centre of mass.
-struct BodyLoad {
-  Lanes3 force = in_all_lanes(Vector3d::Zero()), about_base = force;
-};
-void push_body(Workspace& work, int body, const BodyLoad& load);
 inline void count_case(Workspace& work, ContactCase which, unsigned lanes) {
   work.case_count[static_cast<std::size_t>(which)] += std::popcount(lanes);
 }
 
-/// Blocks of a track, as bits, that may hold a link whose centre is within `radius` of `center` (W) seen from the side.
-[[nodiscard]] std::uint64_t blocks_near(const CompiledTrack& track, const Workspace& work, const Vector3d& center,
+/// Blocks of a track, as bits, that may hold a link whose centre is within `radius` of `center` (W, the same in all
+/// lanes) seen from the side.
+[[nodiscard]] std::uint64_t blocks_near(const CompiledTrack& track, const Workspace& work, const Lanes3& center,
                                         double radius);
 
-/// Calls visit(first, bits) for windows of `width` links or joints in a row that together hold all that are near, each
-/// once. near(first) is the mask of eight from `first` on; a window begins at one that is near, and bit k of `bits`
-/// says whether the k-th of it is. Neighbours in a track stay neighbours, so one window or two hold all that a wheel
-/// meets.
+/// Calls visit(first, bits) for windows of `width` links or joints in a row, at most eight, that together hold all that
+/// are near, each once. near(first) is the mask of eight from `first` on; a window begins at one that is near, and bit
+/// k of `bits` says whether the k-th of it is. Neighbours in a track stay neighbours, so one window or two hold all
+/// that a wheel meets.
 template <int width, typename Near, typename Visit>
 void for_windows(const CompiledTrack& track, std::uint64_t blocks, Near near, Visit visit) {
-  const int end = track.offset + track.num_links;
-  const auto bits_at = [&](int first) { return bits_of(near(first) & LaneMask::first(end - first)); };
-  int next = track.offset;  // what stands before it has been visited
-  for (; blocks != 0; blocks &= blocks - 1) {
-    const int block = track.offset + k_lanes * std::countr_zero(blocks);
-    for (int first = std::max(next, block); first < std::min(end, block + k_lanes);) {
-      const unsigned bits = bits_at(first);
-      if (bits == 0) break;
-      first += std::countr_zero(bits);
-      if (first >= block + k_lanes) break;  // the next block's own
-      visit(first, bits_at(first) & ((1u << width) - 1u));
-      next = first += width;
+  constexpr unsigned k_window_bits = (1u << width) - 1u;
+  const auto bits_at = [&](int block) {
+    if ((blocks >> block & 1u) == 0) return 0u;
+    const int first = k_lanes * block;
+    return bits_of(near(track.offset + first) & LaneMask::first(track.num_links - first));
+  };
+  unsigned bits = 0;  // not yet visited, of a block and of the next one
+  int block = -1;
+  for (std::uint64_t left = blocks; left != 0; left &= left - 1) {
+    const int last = block;
+    block = std::countr_zero(left);
+    bits = (block == last + 1 && last >= 0 ? bits >> k_lanes : bits_at(block)) | bits_at(block + 1) << k_lanes;
+    while ((bits & k_all_lanes) != 0) {
+      const int lane = std::countr_zero(bits);
+      visit(track.offset + k_lanes * block + lane, bits >> lane & k_window_bits);
+      bits &= ~(k_window_bits << lane);
     }
   }
 }

@@ -153,8 +153,8 @@ unsigned touch_path(const Meeting& m, double stiffness, const Lanes& lateral, Lo
   const Lanes3 slip = m.velocity + cross(m.spin, place - m.center);
   const Lanes slip2 = slip.x * slip.x + slip.y * slip.y;
   const Lanes q = sliding_friction(law, normal, slip2);
-  load.elastic.add(disc, {-fx, 0.0, -fz});
-  load.lost.add(disc, {fx * (1.0 - factor), 0.0, fz * (1.0 - factor)});
+  load.elastic = LinkLoads::at(disc, {-fx, 0.0, -fz});
+  load.lost = LinkLoads::at(disc, {fx * (1.0 - factor), 0.0, fz * (1.0 - factor)});
   load.lost.add(place, {q * slip.x, q * slip.y, 0.0});
   if (work.bounds_step) {
     add_slopes(m,
@@ -200,8 +200,8 @@ unsigned touch_guide(const Meeting& m, Loads& load, TrackSums& sums, Workspace& 
   const Lanes elastic = dot(force, force).sqrt();
   const Lanes closing = -dot(force, m.velocity) / elastic.max(k_least_force);
   const Lanes factor = normal_factor(track.guide, closing);
-  load.elastic.add(m.center, -force);
-  load.lost.add(m.center, (1.0 - factor) * force);
+  load.elastic = LinkLoads::at(m.center, -force);
+  load.lost = LinkLoads::at(m.center, (1.0 - factor) * force);
   const double arm = 0.1;  // m, of a force aside about the link's long axis
   const double mobility = m.mobility.moving + arm * arm * m.mobility.rolling;
   add_halves_to(work.stability[0] + m.first, choose(touching, mobility * k, zero));
@@ -214,7 +214,7 @@ unsigned touch_guide(const Meeting& m, Loads& load, TrackSums& sums, Workspace& 
   return touched;
 }
 
-void push_apart(const Meeting& m, const Loads& load_L, Partner partner, const State& state, BodyLoad& on_pair,
+void push_apart(const Meeting& m, const Loads& load_L, Partner partner, const State& state, LaneSpatial& on_pair,
                 Workspace& work) {
   const Lanes3 lost = m.frames.to_world(load_L.lost.force), lost_torque = m.frames.to_world(load_L.lost.torque);
   const Lanes3 force = m.frames.to_world(load_L.elastic.force) + lost;
@@ -230,12 +230,12 @@ void push_apart(const Meeting& m, const Loads& load_L, Partner partner, const St
   add(work.torque_W, torque);
   add(work.contact_force_W[static_cast<std::size_t>(partner)], force);
   const Lanes3 from_base = load_twice3(state.position, m.first) - in_all_lanes(state.chassis.position);
-  on_pair.force = on_pair.force - force;
-  on_pair.about_base = on_pair.about_base - (cross(from_base, force) + torque);
+  on_pair.linear = on_pair.linear - force;
+  on_pair.angular = on_pair.angular - (cross(from_base, force) + torque);
 }
 
 /// Both discs against wheel path and edges.
-void meet_path(const Meeting& m, double stiffness, const State& state, BodyLoad& on_pair, TrackSums& sums,
+void meet_path(const Meeting& m, double stiffness, const State& state, LaneSpatial& on_pair, TrackSums& sums,
                Workspace& work) {
   const double o = m.track.lateral * m.discs.disc_offset;
   Loads load;
@@ -251,24 +251,12 @@ void meet_path(const Meeting& m, double stiffness, const State& state, BodyLoad&
 }
 
 /// The horn stands once between the discs: the lanes of one disc count.
-void meet_guide(const Meeting& m, const State& state, BodyLoad& on_pair, TrackSums& sums, Workspace& work) {
+void meet_guide(const Meeting& m, const State& state, LaneSpatial& on_pair, TrackSums& sums, Workspace& work) {
   Loads load;
   const unsigned touched = touch_guide(m, load, sums, work);
   count_case(work, ContactCase::guide_none, bits_of(m.near) & k_one_disc & ~touched);
   if (touched != 0) push_apart(m, load, Partner::guide, state, on_pair, work);
 }
-
-/// Where in the frame of a link the centre of a disc pair stands when the link may touch it.
-struct Reach {
-  double along, up;  ///< |x| and z at most [m]; z >= 0
-  Reach(const CompiledTrack& track, const CompiledDiscs& discs) {
-    constexpr double k_deepest = 0.03;  // m of penetration, for the length of the patch
-    const double patch = std::sqrt(2.0 * discs.radius * k_deepest);
-    along = std::max(track.pitch, 0.5 * track.pitch + patch);
-    up = discs.radius + std::max(track.wheel_path_height + track.guide_height, 0.0);
-  }
-  [[nodiscard]] double distance() const { return std::sqrt(along * along + up * up); }
-};
 
 /// Unit vector along which the centre of a wheel can go on its arm, in W; 0 on the hull.
 Vector3d way_of_center(const Tree& tree, int body, const TreeWorkspace& work) {
@@ -281,25 +269,24 @@ Vector3d way_of_center(const Tree& tree, int body, const TreeWorkspace& work) {
 void track_discs(const Tree& tree, const CompiledTrack& track, double stiffness_scale, const State& state,
                  Workspace& work) {
   const Mobility mobility{1.0 / track.mass, 1.0 / track.inertia.x(), 1.0 / track.inertia.z()};
+  const Lanes3 base_W = in_all_lanes(state.chassis.position);
   TrackSums sums;
   for (const CompiledDiscs& discs : track.discs) {
-    const Vector3d from_base = work.chassis.origin_W(discs.body), center_W = state.chassis.position + from_base;
-    const Lanes3 axle_W = in_all_lanes(work.chassis.rotation(discs.body).col(1));
-    const Lanes3 spin_W = in_all_lanes(work.chassis.angular_velocity_W(discs.body));
-    const Lanes3 velocity_W = in_all_lanes(work.chassis.velocity_at(discs.body, from_base));
+    const BlockFrame wheel = work.chassis.spread_frame(discs.body);
+    const Lanes3 center_W = base_W + wheel.origin_W, axle_W = wheel.rotation.y, spin_W = wheel.velocity.angular;
+    const Lanes3 velocity_W = wheel.velocity.linear + cross(spin_W, wheel.origin_W);
     const Lanes3 way_W =
         in_all_lanes(work.bounds_step ? way_of_center(tree, discs.body, work.chassis) : Vector3d::Zero());
-    const Reach reach(track, discs);
     const auto near = [&](int first) {
-      const Lanes3 apart = in_all_lanes(center_W) - load3(state.position, first);
+      const Lanes3 apart = center_W - load3(state.position, first);
       const Lanes z = dot(load_axis(work, 2, first), apart);
-      return (dot(load_axis(work, 0, first), apart).abs() <= reach.along) & (0.0 <= z) & (z <= reach.up);
+      return (dot(load_axis(work, 0, first), apart).abs() <= discs.reach_along) & (0.0 <= z) & (z <= discs.reach_up);
     };
-    BodyLoad on_pair;
-    const std::uint64_t blocks = blocks_near(track, work, center_W, reach.distance());
+    LaneSpatial on_pair{{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    const std::uint64_t blocks = blocks_near(track, work, center_W, discs.reach);
     for_windows<k_window>(track, blocks, near, [&](int first, unsigned bits) {
       const LinkFrames frames(work, first);
-      const Lanes3 center = frames.to_links(in_all_lanes(center_W) - load_twice3(state.position, first));
+      const Lanes3 center = frames.to_links(center_W - load_twice3(state.position, first));
       const Lanes3 turn = load_twice3(state.angular_velocity, first);
       const Lanes3 velocity = frames.to_links(velocity_W - load_twice3(state.velocity, first)) - cross(turn, center);
       const Meeting meeting{track,
@@ -316,7 +303,7 @@ void track_discs(const Tree& tree, const CompiledTrack& track, double stiffness_
       meet_path(meeting, stiffness_scale * discs.contact.stiffness, state, on_pair, sums, work);
       if (track.guide_height > 0.0) meet_guide(meeting, state, on_pair, sums, work);
     });
-    push_body(work, discs.body, on_pair);
+    work.chassis.add_force(discs.body, on_pair);
   }
   work.energy.contact += sums.energy.sum();
   work.energy.contact_power += sums.contact_power.sum();

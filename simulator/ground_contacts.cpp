@@ -5,9 +5,9 @@ namespace {
 
 /// What the ground puts on eight links in a row over all their points, kept in registers until they are done.
 struct BlockLoad {
-  LinkLoads on_links;                    ///< W
-  LinkLoads lost;                        ///< part of it that damps across the ground
-  Lanes stiffness = 0.0, damping = 0.0;  ///< towards the step's bound
+  LinkLoads on_links = LinkLoads::none();  ///< W
+  LinkLoads lost = LinkLoads::none();      ///< part of it that damps across the ground
+  Lanes stiffness = 0.0, damping = 0.0;    ///< towards the step's bound
   Lanes energy = 0.0, contact_power = 0.0, ground_power = 0.0, step_loss = 0.0;
   unsigned touches = 0;  ///< points that touch
 };
@@ -40,10 +40,17 @@ struct GroundPoint {
   double mobility_n, mobility_t;  ///< what a force along the normal and across it moves the point by [1/kg]
   Lanes3 arm, point;              ///< from the link's centre and from the origin, W
   Lanes3 velocity;                ///< W
+  bool slopes;                    ///< wanted, for the step's bound
 };
 
 /// Contact frame C on level ground: W itself.
 struct LevelFrame {
+  /// Adds a force along the normal.
+  static void add_normal(const Lanes3& arm, const Lanes& force, LinkLoads& load) {
+    load.force.z += force;
+    load.torque.x += arm.y * force;
+    load.torque.y -= arm.x * force;
+  }
   [[nodiscard]] const Lanes3& to_contact(const Lanes3& v_W) const { return v_W; }
   [[nodiscard]] const Lanes3& to_world(const Lanes3& v_C) const { return v_C; }
 };
@@ -55,6 +62,7 @@ struct TiltedFrame {
     x = {scale * normal.z, 0.0, -scale * normal.x};
     y = cross(z, x);
   }
+  void add_normal(const Lanes3& arm, const Lanes& force, LinkLoads& load) const { load.add(arm, force * z); }
   [[nodiscard]] Lanes3 to_contact(const Lanes3& v_W) const { return {dot(x, v_W), dot(y, v_W), dot(z, v_W)}; }
   [[nodiscard]] Lanes3 to_world(const Lanes3& v_C) const { return v_C.x * x + v_C.y * y + v_C.z * z; }
   Lanes3 x, y, z;  ///< axes of C in W
@@ -82,11 +90,12 @@ struct Bristle {
 };
 
 /// x, y: from the old anchor to the point, in C; v: the point's velocity there; limit: mu N. Most bristles stick: roots
-/// and quotients are for blocks where one does not.
-Bristle bend(const CompiledTrack& track, const Lanes& x, const Lanes& y, const Lanes3& v, const Lanes& limit) {
+/// and quotients are for blocks where one that touches does not.
+[[gnu::always_inline]] inline Bristle bend(const CompiledTrack& track, const LaneMask& touching, const Lanes& x,
+                                           const Lanes& y, const Lanes3& v, const Lanes& limit) {
   const double k = track.bristle_stiffness, c = track.bristle_damping;
   const Lanes limit2 = limit * limit, spring2 = (k * k) * (x * x + y * y);
-  Bristle b{x, y, 0.0, 0.0, limit2 < spring2};
+  Bristle b{x, y, 0.0, 0.0, touching & (limit2 < spring2)};
   if (bits_of(b.drawn) != 0) {
     const Lanes left = choose(b.drawn, limit / spring2.max(k_least_force).sqrt(), 1.0);
     b.stretch_x *= left, b.stretch_y *= left;
@@ -94,7 +103,7 @@ Bristle bend(const CompiledTrack& track, const Lanes& x, const Lanes& y, const L
   b.force_x = -k * b.stretch_x - c * v.x;
   b.force_y = -k * b.stretch_y - c * v.y;
   const Lanes wanted2 = b.force_x * b.force_x + b.force_y * b.force_y;
-  if (const LaneMask too_much = limit2 < wanted2; bits_of(too_much) != 0) {
+  if (const LaneMask too_much = touching & (limit2 < wanted2); bits_of(too_much) != 0) {
     const Lanes granted = choose(too_much, limit / wanted2.max(k_least_force).sqrt(), 1.0);
     b.force_x *= granted, b.force_y *= granted;
   }
@@ -125,15 +134,15 @@ void press(const GroundPoint& g, const Frame& frame, const Lanes& depth, const H
     old_anchor = choose(held, old_anchor, place_of_touch(g, frame, velocity, depth));
   }
   const Lanes3 from_anchor = frame.to_contact(g.point - old_anchor);
-  const Bristle b = bend(track, from_anchor.x, from_anchor.y, velocity, g.friction * normal);
+  const Bristle b = bend(track, touching, from_anchor.x, from_anchor.y, velocity, g.friction * normal);
   const Lanes sx = b.stretch_x, sy = b.stretch_y;
   Lanes3 anchor = old_anchor;
-  if (const LaneMask drawn = touching & b.drawn; bits_of(drawn) != 0) {
-    anchor = choose(drawn, g.point - frame.to_world(Lanes3{sx, sy, 0.0}), old_anchor);
+  if (bits_of(b.drawn) != 0) {
+    anchor = choose(b.drawn, g.point - frame.to_world(Lanes3{sx, sy, 0.0}), old_anchor);
     // Mean spring force over the step times the way of the anchor: with the stored energy's change this is the work,
     // exactly.
     const Lanes3 way = frame.to_contact(anchor - old_anchor);
-    sum.step_loss += choose(drawn, 0.5 * k * ((sx + old_sx) * way.x + (sy + old_sy) * way.y), 0.0);
+    sum.step_loss += choose(b.drawn, 0.5 * k * ((sx + old_sx) * way.x + (sy + old_sy) * way.y), 0.0);
   }
   store(after.anchor_x[g.row] + g.first, anchor.x);
   store(after.anchor_y[g.row] + g.first, anchor.y);
@@ -144,10 +153,12 @@ void press(const GroundPoint& g, const Frame& frame, const Lanes& depth, const H
   const Lanes fx = choose(touching, b.force_x, 0.0), fy = choose(touching, b.force_y, 0.0);
   const Lanes spring_x = choose(touching, k * sx, 0.0), spring_y = choose(touching, k * sy, 0.0);
   sum.on_links.add(g.arm, frame.to_world(Lanes3{fx, fy, normal}));
-  sum.lost.add(g.arm, frame.to_world(Lanes3{0.0, 0.0, normal - elastic}));
-  sum.stiffness += choose(touching, track.ground.stiffness * g.mobility_n + k * g.mobility_t, 0.0);
-  sum.damping +=
-      (track.ground.rate / track.mass) * elastic + choose(touching, track.bristle_damping * g.mobility_t, 0.0);
+  frame.add_normal(g.arm, normal - elastic, sum.lost);
+  if (g.slopes) {
+    sum.stiffness += choose(touching, track.ground.stiffness * g.mobility_n + k * g.mobility_t, 0.0);
+    sum.damping +=
+        (track.ground.rate / track.mass) * elastic + choose(touching, track.bristle_damping * g.mobility_t, 0.0);
+  }
   sum.energy += 0.5 * (elastic * depth + spring_x * sx + spring_y * sy);
   sum.contact_power += elastic * (factor - 1.0) * closing;
   // The damper's share. Not negative: mu N is a disc, the sum is scaled back to it and the spring lies inside.
@@ -232,8 +243,10 @@ void book(const BlockLoad& sum, int first, Sums& sums, Workspace& work) {
   if (sum.touches == 0) return;
   push_links(work, first, sum.on_links, Partner::ground);
   note_losses(work, first, sum.lost);
-  add_to(work.stability[0] + first, sum.stiffness);
-  add_to(work.stability[1] + first, sum.damping);
+  if (work.bounds_step) {
+    add_to(work.stability[0] + first, sum.stiffness);
+    add_to(work.stability[1] + first, sum.damping);
+  }
   work.case_count[static_cast<std::size_t>(ContactCase::ground_point)] += sum.touches;
 }
 
@@ -245,11 +258,16 @@ Lanes friction_at(const GroundSurface& ground, const Lanes3& place) {
   return friction;
 }
 
+/// Frees the bristles of eight links in a row. What is not near may have held one that slips out of reach in a step.
+void let_go(int first, History& after) {
+  for (int row = 0; row < after.anchored.components(); ++row) store(after.anchored[row] + first, 0.0);
+}
+
 /// Eight links in a row on all their points.
 void meet_ground(const GroundSurface& ground, const CompiledTrack& track, int first, double h, const History& before,
                  State& state, Sums& sums, Workspace& work) {
   const LaneMask near = links_near(ground, track, first, state, work);
-  if (bits_of(near) == 0) return;
+  if (bits_of(near) == 0) return let_go(first, state.history);
   const Lanes3 position = load3(state.position, first), velocity = load3(state.velocity, first);
   const Lanes3 turn = load3(work.angular_velocity_W, first);
   const Lanes3 x = load_axis(work, 0, first), y = load_axis(work, 1, first), z = load_axis(work, 2, first);
@@ -268,7 +286,8 @@ void meet_ground(const GroundSurface& ground, const CompiledTrack& track, int fi
                       mobility.tangential,
                       arm,
                       at,
-                      velocity + cross(turn, arm)};
+                      velocity + cross(turn, arm),
+                      work.bounds_step};
     if (ground.level()) {
       const Lanes depth = choose(near, -at.z, 0.0).max(0.0);
       press(point, LevelFrame{}, depth, before, state.history, sum);
@@ -287,7 +306,6 @@ void meet_ground(const GroundSurface& ground, const CompiledTrack& track, int fi
 }  // namespace
 
 void ground_contacts(const System& system, const History& before, double h, State& state, Workspace& work) {
-  state.history.anchored.fill(0.0);
   for (const CompiledTrack& track : system.tracks) {
     Sums sums;
     for (int first = 0; first < track.num_links; first += k_lanes) {

@@ -26,8 +26,10 @@ using LaneBits [[gnu::vector_size(sizeof(Lanes))]] = std::int64_t;
   return k * 6.93147180369123816490e-01 - ((half - (s * (half + series) + k * 1.90821492927058770002e-10)) - f);
 }
 
-/// e^x to 1 ulp for |x| below 700: x = k ln 2 + r with |r| <= ln(2) / 2, e^r by the rational function of r^2.
-[[nodiscard]] inline Lanes exponential(const Lanes& x) {
+/// e^x to 1 ulp for |x| below 700, 1e-304 below that: x = k ln 2 + r with |r| <= ln(2) / 2, e^r by the rational
+/// function of r^2.
+[[nodiscard]] inline Lanes exp(const Lanes& exponent) {
+  const Lanes x = exponent.max(-700.0);
   const Lanes k = (x * 1.44269504088896338700e+00).rint();
   const Lanes high = x - k * 6.93147180369123816490e-01, low = k * 1.90821492927058770002e-10;
   const Lanes r = high - low, z = r * r;

@@ -76,23 +76,20 @@ class Lanes {
 #endif
   /// Lane k plus lane k + 4.
   using Half [[gnu::vector_size(k_lanes / 2 * sizeof(double))]] = double;
-  [[nodiscard]] Half sum_of_halves() const { return half(0) + half(1); }
+  [[nodiscard]] Half sum_of_halves() const { return lower() + upper(); }
   [[nodiscard]] double sum() const {
     const Half four = sum_of_halves();
     return (four[0] + four[2]) + (four[1] + four[3]);
   }
   [[nodiscard]] double min_lane() const { return -(-*this).max_lane(); }
   [[nodiscard]] double max_lane() const {
-    const Half a = half(0), b = half(1), four = a > b ? a : b;
+    const Half a = lower(), b = upper(), four = a > b ? a : b;
     return std::max(std::max(four[0], four[1]), std::max(four[2], four[3]));
   }
 
  private:
-  [[nodiscard]] Half half(int which) const {
-    Half four;
-    std::memcpy(&four, reinterpret_cast<const char*>(&values_) + which * sizeof(Half), sizeof(Half));
-    return four;
-  }
+  [[nodiscard]] Half lower() const { return __builtin_shufflevector(values_, values_, 0, 1, 2, 3); }
+  [[nodiscard]] Half upper() const { return __builtin_shufflevector(values_, values_, 4, 5, 6, 7); }
   template <typename Function>
   [[nodiscard]] Lanes each(Function f) const {
     Lanes result;

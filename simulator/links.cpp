@@ -134,6 +134,8 @@ LocalError link_error(const System& system, const ErrorWeights& weights, const A
         const Lanes linear = measure(next.linear, now.linear, before.linear);
         const Lanes angular = arm * arm * measure(next.angular, now.angular, before.angular);
         const Lanes error2 = linear.max(angular);
+        const LaneMask not_smaller = !(error2 <= worst.ratio);  // also what is no number
+        if (bits_of(not_smaller & LaneMask::first(bodies.count - first)) == 0) continue;
         for (int lane = 0; lane < std::min(k_lanes, bodies.count - first); ++lane) {
           if (std::isnan(error2[lane])) return {error2[lane], i + lane};
           if (error2[lane] > worst.ratio) worst = {error2[lane], i + lane};

@@ -19,11 +19,12 @@ void see(const Squares& squares, LoadMeasure& measure, double& square_sum) {
 }
 
 /// The bushings of one track whose rows begin at `first`.
-void watch_row(const CompiledTrack& track, const Workspace& work, int first, RubberLoads& loads, StepSums& sums) {
+void watch_row(const CompiledTrack& track, const State& state, const Workspace& work, int first, RubberLoads& loads,
+               StepSums& sums) {
   using Row = Eigen::Map<const Eigen::ArrayXd>;
   const auto row = [&](const Field& field, int c) { return Row(field[c] + first, track.num_links); };
   const Row x = row(work.bushing_force, 0), y = row(work.bushing_force, 1), z = row(work.bushing_force, 2);
-  see((row(work.deflection, index_of(Axis::ry)) - track.free_twist).square(), loads.torsion, sums.torsion);
+  see((row(state.history.deflection, index_of(Axis::ry)) - track.free_twist).square(), loads.torsion, sums.torsion);
   see(row(work.bushing_torque, 1).square(), loads.torsion_moment, sums.torsion_moment);
   see(x.square() + z.square(), loads.radial_force, sums.radial_force);
   see(y.square(), loads.axial_force, sums.axial_force);
@@ -32,18 +33,18 @@ void watch_row(const CompiledTrack& track, const Workspace& work, int first, Rub
   for (int a = 0; a < k_num_axes; ++a) {
     const double free = a == index_of(Axis::ry) ? track.free_twist : 0.0;
     double& largest = loads.largest_deflection[static_cast<std::size_t>(a)];
-    largest = std::max(largest, (row(work.deflection, a) - free).abs().maxCoeff());
+    largest = std::max(largest, (row(state.history.deflection, a) - free).abs().maxCoeff());
   }
   sums.bushings += track.num_links;
 }
 
 }  // namespace
 
-void watch_rubber(const System& system, const Workspace& work, double h, RubberLoads& loads) {
+void watch_rubber(const System& system, const State& state, const Workspace& work, double h, RubberLoads& loads) {
   StepSums sums;
   for (const CompiledTrack& track : system.tracks) {
-    watch_row(track, work, track.offset, loads, sums);
-    if (track.joint != JointForm::single_pin) watch_row(track, work, track.connector_offset, loads, sums);
+    watch_row(track, state, work, track.offset, loads, sums);
+    if (track.joint != JointForm::single_pin) watch_row(track, state, work, track.connector_offset, loads, sums);
   }
   const double weight = h / static_cast<double>(sums.bushings);
   loads.time += h;

@@ -23,8 +23,8 @@ struct RubberLoads {
   double least_tension = std::numeric_limits<double>::infinity();
 };
 
-/// Adds an accepted step of length h that led to `work`.
-void watch_rubber(const System& system, const Workspace& work, double h, RubberLoads& loads);
+/// Adds an accepted step of length h that led to `state`.
+void watch_rubber(const System& system, const State& state, const Workspace& work, double h, RubberLoads& loads);
 
 /// bushing_torsion_* and the like.
 [[nodiscard]] std::vector<RunResult> rubber_results(const RubberLoads& loads);

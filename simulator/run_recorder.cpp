@@ -55,7 +55,7 @@ void RunRecorder::record(const Snapshot& previous, const Snapshot& now, const St
                                    static_cast<double>(stepper.last_limit())};
   writer_.append(static_cast<std::size_t>(RunTable::steps), step);
   sum_steps(stepper);
-  watch_rubber(system_, now.work, stepper.last_step(), series_.rubber);
+  watch_rubber(system_, now.state, now.work, stepper.last_step(), series_.rubber);
   for (const double offset : now.work.lateral_guide_offset)
     series_.largest_guide_offset = std::max(series_.largest_guide_offset, offset);
 }

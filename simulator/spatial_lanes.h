@@ -103,13 +103,19 @@ inline void operator+=(LaneInertia& a, const LaneInertia& b) {
 }
 
 [[nodiscard]] inline Eigen::Vector3d in_lane(int lane, const Lanes3& v) { return {v.x[lane], v.y[lane], v.z[lane]}; }
+/// One lane's vector in all lanes. Read number by number: a vector put together in memory to be broadcast from there
+/// would have to wait for its own stores.
+[[nodiscard]] inline Lanes3 spread(int lane, const Lanes3& v) { return {v.x[lane], v.y[lane], v.z[lane]}; }
 inline void set_lane(int lane, const Eigen::Vector3d& from, Lanes3& v) {
   v.x.set(lane, from.x());
   v.y.set(lane, from.y());
   v.z.set(lane, from.z());
 }
-inline void add_in_lane(int lane, const Eigen::Vector3d& from, Lanes3& v) {
-  set_lane(lane, in_lane(lane, v) + from, v);
+/// Adds the sums over `from`'s lanes to one lane.
+inline void add_sums_in_lane(int lane, const Lanes3& from, Lanes3& v) {
+  v.x.set(lane, v.x[lane] + from.x.sum());
+  v.y.set(lane, v.y[lane] + from.y.sum());
+  v.z.set(lane, v.z[lane] + from.z.sum());
 }
 [[nodiscard]] inline Vector6d in_lane(int lane, const LaneSpatial& v) {
   Vector6d result;

@@ -7,24 +7,13 @@
 namespace grouser {
 namespace {
 
-/// The sprocket's frame S at the instant.
+/// The sprocket at the instant: its frame S, all in all lanes.
 struct Wheel {
   const CompiledTrack& track;
-  double stiffness;   ///< N/m per ring
-  Vector3d center_W;  ///< less the base's centre of mass
-  Matrix3d R_WS;
-  Vector3d velocity_W, spin_W;  ///< velocity: of the base's centre of mass if it were fixed to the sprocket
-
-  [[nodiscard]] Lanes3 to_sprocket(const Lanes3& v_W) const {
-    const Matrix3d& R = R_WS;
-    return {R(0, 0) * v_W.x + R(1, 0) * v_W.y + R(2, 0) * v_W.z, R(0, 1) * v_W.x + R(1, 1) * v_W.y + R(2, 1) * v_W.z,
-            R(0, 2) * v_W.x + R(1, 2) * v_W.y + R(2, 2) * v_W.z};
-  }
-  [[nodiscard]] Lanes3 to_world(const Lanes3& v_S) const {
-    const Matrix3d& R = R_WS;
-    return {R(0, 0) * v_S.x + R(0, 1) * v_S.y + R(0, 2) * v_S.z, R(1, 0) * v_S.x + R(1, 1) * v_S.y + R(1, 2) * v_S.z,
-            R(2, 0) * v_S.x + R(2, 1) * v_S.y + R(2, 2) * v_S.z};
-  }
+  double stiffness;  ///< N/m per ring
+  BlockFrame frame;  ///< origin_W: less the base's centre of mass
+  [[nodiscard]] Lanes3 to_sprocket(const Lanes3& v_W) const { return transposed_times(frame.rotation, v_W); }
+  [[nodiscard]] Lanes3 to_world(const Lanes3& v_S) const { return frame.rotation * v_S; }
 };
 
 /// Who bears a joint's pin for the teeth: a point of a body, `ahead` of its centre. A single pin is borne by the link
@@ -64,14 +53,14 @@ Pins place_pins(const Wheel& wheel, std::span<const Bearer> bearers, const State
     pins.arm_W[b] = bearers[b].ahead * x + aside * y;
     pins.from_base_W = pins.from_base_W + bearers[b].share * (load3(state.position, body) + pins.arm_W[b]);
   }
-  pins.place = wheel.to_sprocket(pins.from_base_W - in_all_lanes(wheel.center_W));
+  pins.place = wheel.to_sprocket(pins.from_base_W - wheel.frame.origin_W);
   pins.radius = (pins.place.x * pins.place.x + pins.place.z * pins.place.z).sqrt();
   return pins;
 }
 
 /// Velocity against the sprocket, in S.
 Lanes3 relative_velocity(const Wheel& wheel, const Pins& pins, const State& state, const Workspace& work) {
-  Lanes3 velocity = -(in_all_lanes(wheel.velocity_W) + cross(in_all_lanes(wheel.spin_W), pins.from_base_W));
+  Lanes3 velocity = -(wheel.frame.velocity.linear + cross(wheel.frame.velocity.angular, pins.from_base_W));
   for (std::size_t b = 0; b < pins.bearers.size(); ++b) {
     const int body = pins.first + pins.bearers[b].from_joint;
     velocity = velocity + pins.bearers[b].share * (load3(state.velocity, body) +
@@ -134,15 +123,12 @@ void add_slopes(const Wheel& wheel, const Bearer& bearer, int body, const PinFor
 void push_pins(const Wheel& wheel, const Pins& pins, const PinForce& pushed, Workspace& work) {
   const CompiledTrack& track = wheel.track;
   const Lanes3 force = wheel.to_world(pushed.force), lost = wheel.to_world(pushed.lost);
-  push_body(work, track.sprocket.body, {-force, -cross(pins.from_base_W, force)});
+  work.chassis.add_force(track.sprocket.body, {-cross(pins.from_base_W, force), -force});
   for (std::size_t b = 0; b < pins.bearers.size(); ++b) {
     const Bearer& bearer = pins.bearers[b];
     const int body = pins.first + bearer.from_joint;
-    LinkLoads load, loss;
-    load.add(pins.arm_W[b], bearer.share * force);
-    loss.add(pins.arm_W[b], bearer.share * lost);
-    note_losses(work, body, loss);
-    push_links(work, body, load, Partner::sprocket);
+    note_losses(work, body, LinkLoads::at(pins.arm_W[b], bearer.share * lost));
+    push_links(work, body, LinkLoads::at(pins.arm_W[b], bearer.share * force), Partner::sprocket);
     if (work.bounds_step) add_slopes(wheel, bearer, body, pushed, work);
   }
   work.rim[static_cast<std::size_t>(track.sprocket.body)].spin += pushed.friction.sum();
@@ -307,13 +293,8 @@ ToothContact touch_tooth(const CompiledSprocket& sprocket, const Lanes& x, const
 void sprocket_contacts(const System& system, const AssemblyKnobs& knobs, const State& state, Workspace& work) {
   for (const CompiledTrack& track : system.tracks) {
     const CompiledSprocket& sprocket = track.sprocket;
-    const Vector6d velocity = work.chassis.velocity(sprocket.body);
-    const Wheel wheel{track,
-                      knobs.stiffness_scale * sprocket.contact.stiffness,
-                      work.chassis.origin_W(sprocket.body),
-                      work.chassis.rotation(sprocket.body),
-                      velocity.tail<3>(),
-                      velocity.head<3>()};
+    const Wheel wheel{track, knobs.stiffness_scale * sprocket.contact.stiffness,
+                      work.chassis.spread_frame(sprocket.body)};
     const LinkBodies &links = track.bodies.front(), &connectors = track.bodies.back();
     const std::array<Bearer, 2> shoes{Bearer{links, 1, -track.groove, 0.5}, Bearer{links, 0, track.groove, 0.5}};
     const std::array<Bearer, 1> link{Bearer{links, 1, -track.groove, 1.0}};
@@ -324,9 +305,9 @@ void sprocket_contacts(const System& system, const AssemblyKnobs& knobs, const S
     const double reach = sprocket.tip_radius + sprocket.pin_radius + 0.5 * track.pitch + 0.05;
     const double outwards = track.lateral * sprocket.ring_offset;
     Sums sums;
-    const Vector3d center = state.chassis.position + wheel.center_W;
+    const Lanes3 center = in_all_lanes(state.chassis.position) + wheel.frame.origin_W;
     const auto near = [&](int first) {  // joints whose link ahead is near
-      const Lanes3 apart = load3(state.position, first + 1) - in_all_lanes(center);
+      const Lanes3 apart = load3(state.position, first + 1) - center;
       return dot(apart, apart) <= reach * reach;
     };
     for_windows<k_lanes>(track, blocks_near(track, work, center, reach), near, [&](int first, unsigned bits) {

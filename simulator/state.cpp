@@ -58,7 +58,6 @@ Workspace make_workspace(const System& system) {
   work.joint_force_W = Field(3, n);
   work.joint_torque_next_W = Field(3, n);
   work.joint_torque_own_W = Field(3, n);
-  work.deflection = Field(k_num_axes, n);
   work.bushing_force = Field(3, n);
   work.bushing_torque = Field(3, n);
   work.joint_stiffness = Field(k_num_axes, n);

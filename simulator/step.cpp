@@ -17,8 +17,6 @@ namespace {
 
 void reset(Workspace& work) {
   work.energy = {};
-  work.force_W.fill(0.0);
-  work.torque_W.fill(0.0);
   work.loss_force_W.fill(0.0);
   work.loss_torque_W.fill(0.0);
   if (work.bounds_step) {
@@ -164,7 +162,6 @@ void evaluate(const System& system, const AssemblyKnobs& knobs, const History& b
   ground_contacts(system, before, h, state, work);
   suspension_forces(knobs, state, work);
   drive_sprockets(system, state, work, acceleration);
-  sum_joint_forces(system, work);
   chassis_accelerations(system, knobs, state, work, acceleration);
   link_accelerations(system, knobs, state, work, acceleration);
   if (!work.bounds_step) return;

@@ -65,7 +65,7 @@ void add_gas(const GasUnits& unit, const Lanes& bump, const Lanes& bump_rate, Sp
   // the step that is then refused finite.
   const Lanes least = 0.02 * unit.rest_volume, left = unit.gas_volume - unit.piston_area * piston.stroke;
   const Lanes volume = left.max(least), log_ratio = natural_logarithm(unit.rest_volume / volume);
-  const Lanes pressure = unit.gas_pressure * exponential(unit.exponent * log_ratio);
+  const Lanes pressure = unit.gas_pressure * exp(unit.exponent * log_ratio);
   const Lanes area_lever = unit.piston_area * piston.lever, flow = area_lever * bump_rate;
   const Lanes resistance = damper_pressure(unit, flow.abs()), pushed_back = resistance * area_lever;
   m.moment -= area_lever * (pressure - unit.atmosphere) + choose(flow < 0.0, -pushed_back, pushed_back);

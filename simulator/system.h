@@ -25,7 +25,8 @@ struct CompiledAxis {
   std::vector<FrictionStop> stops;
   double stop_stiffness = 0.0;  ///< of all stops
   std::vector<MaxwellBranch> branches;
-  double yield_growth = 0.0;  ///< 1/m^2 or 1/rad^2
+  std::vector<Lanes> relaxation_rate;  ///< 1/s, 1 / tau of the branches, eight a block; 0 behind the last
+  double yield_growth = 0.0;           ///< 1/m^2 or 1/rad^2
   double viscous = 0.0;
   int first_stop = 0;    ///< row of the first stop in History::stop
   int first_branch = 0;  ///< row of the first branch in History::branch
@@ -56,6 +57,9 @@ struct CompiledDiscs {
   double radius = 0.0;
   double disc_offset = 0.0;  ///< m, lateral position of each disc's middle
   double half_gap = 0.0;     ///< m
+  // Where in the frame of a link the pair's centre stands when the link may touch it.
+  double reach_along = 0.0, reach_up = 0.0;  ///< |x| and z at most [m]; z >= 0
+  double reach = 0.0;                        ///< m, distance at most
   CompiledContact contact;
   ContactShare share;
 };

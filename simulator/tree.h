@@ -136,8 +136,10 @@ struct TreeWorkspace {
   [[nodiscard]] Vector6d force(int body) const;               ///< spatial
   /// Velocity in W of the point of a body that stands at `point` (less the base's centre of mass).
   [[nodiscard]] Vector3d velocity_at(int body, const Vector3d& point) const;
-  /// Adds force and its moment about the base's centre of mass to a body.
-  void add_force(int body, const Vector3d& moment_W, const Vector3d& force_W);
+  /// A body's frame in all lanes.
+  [[nodiscard]] BlockFrame spread_frame(int body) const;
+  /// Adds forces, each the sum over its lanes, and their moments about the base's centre of mass to a body.
+  void add_force(int body, const LaneSpatial& force_W);
 
  private:
   [[nodiscard]] const BlockState& state_of(int body) const;
@@ -185,11 +187,18 @@ inline Vector3d TreeWorkspace::velocity_at(int body, const Vector3d& point) cons
   const Vector6d v = velocity(body);
   return v.tail<3>() + v.head<3>().cross(point);
 }
-inline void TreeWorkspace::add_force(int body, const Vector3d& moment_W, const Vector3d& force_W) {
+inline BlockFrame TreeWorkspace::spread_frame(int body) const {
+  const auto& [R, origin, velocity] = state_of(body).frame;
+  const int lane = lane_of(body);
+  return {{spread(lane, R.x), spread(lane, R.y), spread(lane, R.z)},
+          spread(lane, origin),
+          {spread(lane, velocity.angular), spread(lane, velocity.linear)}};
+}
+inline void TreeWorkspace::add_force(int body, const LaneSpatial& force_W) {
   const auto [block, lane] = place[static_cast<std::size_t>(body)];
   LaneSpatial& force = states[block].force;
-  add_in_lane(lane, moment_W, force.angular);
-  add_in_lane(lane, force_W, force.linear);
+  add_sums_in_lane(lane, force_W.angular, force.angular);
+  add_sums_in_lane(lane, force_W.linear, force.linear);
 }
 
 }  // namespace grouser

@@ -90,17 +90,16 @@ struct Workspace {
   Field joint_force_W;        ///< bushing force on link i+1 at the pin [N], W (3 x joints), by bushing_forces
   Field joint_torque_next_W;  ///< its moment about link i+1's centre [N m], W (3 x joints), by bushing_forces
   Field joint_torque_own_W;   ///< its moment about link i's centre, to be subtracted [N m], W, by bushing_forces
-  Field
-      deflection;  ///< d_R in frame i [m]; small-rotation vector and hinge angle [rad] (6 x joints), by bushing_forces
-  Field bushing_force;    ///< in frame i, on link i, +x = tension [N] (3 x joints), by bushing_forces
-  Field bushing_torque;   ///< moments dual to the deflection's angles [N m] (3 x joints), by bushing_forces
+  Field bushing_force;        ///< in frame i, on link i, +x = tension [N] (3 x joints), by bushing_forces
+  Field bushing_torque;       ///< moments dual to the deflection's angles [N m] (3 x joints), by bushing_forces
   Field joint_stiffness;  ///< dynamic tangent of x, y, z, swing axes rx, rz, hinge ry (6 x joints), by bushing_forces
-  Field joint_damping;    ///< ditto, viscous (6 x joints), by bushing_forces
+                          ///< where bounds_step
+  Field joint_damping;    ///< ditto, viscous (6 x joints)
 
   /// Around each block of eight links and the link ahead: least and largest x, least and largest z, W [m] (4 x blocks
   /// of a track), by place_links.
   std::array<Field, k_num_sides> box;
-  Field force_W;          ///< total on each link [N], W (3 x links), by contacts and sum_forces
+  Field force_W;          ///< total on each link [N], W (3 x links), by bushing_forces and contacts
   Field torque_W;         ///< about its centre [N m], W (3 x links)
   Field loss_force_W;     ///< part of force_W that contacts lose energy by: damping, friction [N], W (3 x links)
   Field loss_torque_W;    ///< ditto of torque_W [N m]

@@ -42,7 +42,6 @@ constexpr Stage k_stages[] = {
     {"ground", [](Scene& s) { ground_contacts(s.system, s.before.history, k_step, s.state, s.work); }},
     {"suspension", [](Scene& s) { suspension_forces(s.knobs, s.state, s.work); }},
     {"drive", [](Scene& s) { drive_sprockets(s.system, s.state, s.work, s.acceleration); }},
-    {"sums over joints", [](Scene& s) { sum_joint_forces(s.system, s.work); }},
     {"chassis accelerations",
      [](Scene& s) {
        tree_accelerations(s.system.tree, s.state.chassis, s.work.prescribed_acceleration, s.work.chassis,

@@ -44,6 +44,21 @@ TEST(MaxwellBranch, StepIsExactForAConstantRate) {
   EXPECT_NEAR(force, exact, 1e-13 * exact);
 }
 
+TEST(MaxwellBranch, RelaxesByTheSameOnBothSidesOfTheSeries) {
+  for (double x = 1e-9; x < 30.0; x *= 1.3) {
+    const long double y = x, lost = -std::expm1(-y), share = lost / y;
+    // The rest cancels in any closed form: its own series, 20 terms, where x is small.
+    long double rest = 0.0L, term = 0.5L;
+    for (int k = 0; k < 20; ++k, term *= -y / (k + 2)) rest += term;
+    if (x > 1.0) rest = (1.0L - share) / y;
+    const Relaxation<double> found = relaxation(x);
+    EXPECT_NEAR(found.lost / static_cast<double>(lost), 1.0, 1e-15) << x;
+    EXPECT_NEAR(found.share / static_cast<double>(share), 1.0, 1e-15) << x;
+    EXPECT_NEAR(found.rest / static_cast<double>(rest), 1.0, 3e-15) << x;
+  }
+  EXPECT_EQ(relaxation(0.0).rest, 0.5);
+}
+
 TEST(MaxwellBranch, DissipatesAtEveryRandomStep) {
   std::mt19937 random(20261122);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);

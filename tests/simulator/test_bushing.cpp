@@ -35,11 +35,8 @@ struct Pair {
   }
   void evaluate(const History& before, double h) {
     work.energy = {};
-    work.force_W.fill(0.0);
-    work.torque_W.fill(0.0);
     place_links(system, state, work);
     bushing_forces(system, {}, before, h, state, work);
-    sum_joint_forces(system, work);
   }
   /// Springs and dampers alone: the state's own deflections are its memory.
   void evaluate() {
@@ -136,7 +133,7 @@ TEST(Bushing, FollowsTheLawOfTheBushingFileOnEveryAxis) {
     for (int joint = 0; joint < 2; ++joint) {
       for (int axis = 0; axis < k_num_axes; ++axis) {
         const SpringSpline& spring = bushing.axes[static_cast<std::size_t>(axis)].spring;
-        const double x = pair.work.deflection[axis][joint];
+        const double x = pair.state.history.deflection[axis][joint];
         const double force =
             axis < 3 ? pair.work.bushing_force[axis][joint] : pair.work.bushing_torque[axis - 3][joint];
         // Round-off of a curve whose ends stand this far from zero.
@@ -161,11 +158,11 @@ TEST(Bushing, HingeTurnsTo170DegreesWithoutAJump) {
     const Quaterniond q = swing * Quaterniond(Eigen::AngleAxisd(angle, Vector3d::UnitY()));
     pair.set({}, {Vector3d(half, 0.0, 0.0) + q * Vector3d(half, 0.0, 0.0), q});
     pair.evaluate();
-    ASSERT_NEAR(pair.work.deflection[4][0], angle, 1e-12);  // the twist, whatever the swing
+    ASSERT_NEAR(pair.state.history.deflection[4][0], angle, 1e-12);  // the twist, whatever the swing
     // The swing vector is 2 sin(angle / 2) long and lies where the swing's axis lies.
     const double length = 2.0 * std::sin(0.5 * std::hypot(0.05, 0.03)) / std::hypot(0.05, 0.03);
-    ASSERT_NEAR(pair.work.deflection[3][0], 0.05 * length, 1e-12);
-    ASSERT_NEAR(pair.work.deflection[5][0], -0.03 * length, 1e-12);
+    ASSERT_NEAR(pair.state.history.deflection[3][0], 0.05 * length, 1e-12);
+    ASSERT_NEAR(pair.state.history.deflection[5][0], -0.03 * length, 1e-12);
     const double moment = pair.work.bushing_torque[1][0];
     const Vector3d couple = get_vector(pair.work.joint_torque_own_W, 0);
     if (tenth > -1700) {

@@ -247,7 +247,7 @@ TEST(DoublePin, HingeAngleIsSharedByTheTwoBushings) {
   place_row(pair, 1e-3, 0.0, angle);
   pair.evaluate();
   for (const int row : {0, pair.rear()}) {
-    EXPECT_NEAR(pair.work.deflection[4][row], 0.5 * angle, 1e-6);
+    EXPECT_NEAR(pair.state.history.deflection[4][row], 0.5 * angle, 1e-6);
     EXPECT_NEAR(pair.work.bushing_torque[1][row], 1500.0 * 0.5 * (angle + preset), 1e-2);
     EXPECT_NEAR(std::hypot(pair.work.bushing_force[0][row], pair.work.bushing_force[2][row]), 5e4, 1.0);
   }
@@ -294,7 +294,7 @@ TEST(DoublePin, JointSeenFromItsOtherEndIsTheSame) {
     ASSERT_LT((other.force() + pair.force()).norm(), 1e-5 * pair.force().norm());
     ASSERT_LT((other.torque_on_next() - pair.torque_on_own()).norm(), 1e-4 * pair.torque_on_own().norm() + 1.0);
     for (int axis = 0; axis < k_num_axes; ++axis)
-      ASSERT_NEAR(other.work.deflection[axis][0], pair.work.deflection[axis][pair.rear()], 2e-7);
+      ASSERT_NEAR(other.state.history.deflection[axis][0], pair.state.history.deflection[axis][pair.rear()], 2e-7);
   }
 }
 

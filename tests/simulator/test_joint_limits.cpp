@@ -83,7 +83,7 @@ TEST(JointLimits, ForcesAreTheGradientOfTheStoredEnergy) {
     // Cancellation in the difference quotient; at the corner of play or stop it errs by half a stiffness times dt.
     ASSERT_NEAR(power, -energy_rate, 1e-7 * (std::abs(power) + energy / 1e-3) + 150.0) << n;
     in_play += joint.work.joint_stiffness[0][0] == 0.0;
-    at_stop += joint.work.deflection[4][0] > k_stop_angle;
+    at_stop += joint.state.history.deflection[4][0] > k_stop_angle;
   }
   EXPECT_GT(in_play, 30);
   EXPECT_GT(at_stop, 100);

@@ -19,11 +19,12 @@ TEST(LaneExponential, AgreesWithTheLibraryToItsLastDigits) {
   constexpr double k_ulp = 2.3e-16;
   for (int n = 0; n < 4000; ++n) {
     const double x = n % 2 == 0 ? power(random) : near(random);
-    ASSERT_NEAR(exponential(x)[0] / std::exp(x), 1.0, k_ulp) << x;
+    ASSERT_NEAR(exp(x)[0] / std::exp(x), 1.0, k_ulp) << x;
     const double y = std::exp(x), log_y = std::log(y);
     ASSERT_NEAR(natural_logarithm(y)[0], log_y, k_ulp * std::abs(log_y)) << y;
   }
-  EXPECT_EQ(exponential(0.0)[3], 1.0);
+  EXPECT_EQ(exp(0.0)[3], 1.0);
+  EXPECT_LT(exp(-1e9)[3], 1e-300);
   EXPECT_EQ(natural_logarithm(1.0)[3], 0.0);
 }
 
