@@ -7,12 +7,14 @@ build_dir=$source_dir/build/release
 build_packages=(
   build-essential ca-certificates cmake ninja-build
   libavcodec-dev libavformat-dev libcli11-dev libceres-dev libeigen3-dev libfmt-dev libfreetype-dev libhdf5-dev
-  libkainjow-mustache-dev libopencv-dev libosmesa6-dev libssl-dev libswscale-dev nlohmann-json3-dev zlib1g-dev
+  libkainjow-mustache-dev libosmesa6-dev libssl-dev libswscale-dev nlohmann-json3-dev zlib1g-dev
   fonts-dejavu-core
 )
 test_packages=(
-  chromium libbenchmark-dev libgmock-dev libgtest-dev libsimbody-dev poppler-utils python3 python3-h5py python3-jsonschema
+  binutils chromium libbenchmark-dev libgmock-dev libgtest-dev libsimbody-dev poppler-utils python3 python3-h5py python3-jsonschema
 )
+# What continuous integration runs beyond the suite.
+ci_packages=(clang-14 clang-format-14 libclang-rt-14-dev valgrind)
 
 say() { printf '%s: %s\n' "$(basename "$0")" "$*" >&2; }
 

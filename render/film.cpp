@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <future>
-#include <opencv2/core.hpp>
-#include <opencv2/videoio.hpp>
 #include <system_error>
 
 #include "model/errors.h"
 #include "render/film_encoder.h"
+#include "render/film_reader.h"
 #include "render/film_store.h"
 #include "render/frame_maker.h"
 #include "render/frame_store.h"
@@ -62,24 +61,30 @@ bool keep_going(const Progress& progress, const FrameTimes& times, int done) {
   return progress({static_cast<double>(done) / times.count, fmt::format("frame {} of {}", done, times.count)});
 }
 
-/// cv::VideoWriter tells nothing of a frame that it dropped, so the film is read again from end to end.
+/// Standard deviation of all bytes of a picture.
+double spread(const Image& image) {
+  double sum = 0.0, squares = 0.0;
+  for (const double byte : image.bgr) {
+    sum += byte;
+    squares += byte * byte;
+  }
+  const auto count = static_cast<double>(image.bgr.size());
+  return std::sqrt(std::max(0.0, squares / count - sum * sum / (count * count)));
+}
+
+/// Reads the film again from end to end: what the next program will find.
 void check_film(const fs::path& file, const FrameTimes& times, const RenderOptions& options) {
-  cv::VideoCapture film(file.string(), cv::CAP_FFMPEG);
-  const auto value = [&film](int property) { return static_cast<int>(std::lround(film.get(property))); };
   const auto fail = [&file](const std::string& what) {
     throw FileError("film " + file.string() + " was not written right: " + what);
   };
-  if (!film.isOpened()) fail("it does not open");
-  if (value(cv::CAP_PROP_FOURCC) != cv::VideoWriter::fourcc('a', 'v', 'c', '1')) fail("it is not avc1");
-  if (value(cv::CAP_PROP_FRAME_WIDTH) != options.width || value(cv::CAP_PROP_FRAME_HEIGHT) != options.height)
-    fail(fmt::format("size {} x {}", value(cv::CAP_PROP_FRAME_WIDTH), value(cv::CAP_PROP_FRAME_HEIGHT)));
+  FilmReader film(file);
   int count = 0;
-  cv::Mat frame, deviation;
-  for (; film.grab(); ++count) {
+  for (; film.next(); ++count) {
     if (count % 50 != 0) continue;
-    if (!film.retrieve(frame)) fail(fmt::format("frame {} cannot be read", count));
-    cv::meanStdDev(frame, cv::noArray(), deviation);
-    if (cv::norm(deviation) < 1.0) fail(fmt::format("frame {} is of one colour", count));
+    const Image frame = film.frame();
+    if (frame.width != options.width || frame.height != options.height)
+      fail(fmt::format("size {} x {}", frame.width, frame.height));
+    if (spread(frame) < 1.0) fail(fmt::format("frame {} is of one colour", count));
   }
   if (count != times.count) fail(fmt::format("{} frames of {}", count, times.count));
 }

@@ -1,16 +1,6 @@
 #include "render/film_encoder.h"
 
-extern "C" {
-#include <libavcodec/avcodec.h>
-#include <libavformat/avformat.h>
-#include <libavutil/opt.h>
-#include <libswscale/swscale.h>
-}
-
-#include <array>
-#include <cmath>
-
-#include "model/errors.h"
+#include "render/av_handles.h"
 
 namespace grouser {
 namespace {
@@ -22,36 +12,18 @@ constexpr const char* k_preset = "veryfast";
 constexpr const char* k_quality = "22";  ///< CRF, 18 looks lossless, 23 is the default
 constexpr int k_longest_gap = 250;       ///< frames between key frames
 
-int checked(int code, const fs::path& file) {
-  if (code >= 0) return code;
-  std::array<char, AV_ERROR_MAX_STRING_SIZE> text{};
-  av_strerror(code, text.data(), text.size());
-  throw FileError("cannot write " + file.string() + ": " + text.data());
-}
+int checked(int code, const fs::path& file) { return av_checked(code, "cannot write " + file.string()); }
 
 template <typename T>
-T* made(T* pointer, const fs::path& file, const char* what) {
-  if (pointer == nullptr) throw FileError("cannot write " + file.string() + ": " + what);
-  return pointer;
+T* made(T* pointer, const fs::path& file) {
+  return av_made(pointer, "cannot write " + file.string());
 }
-
-template <auto release>
-struct Release {
-  template <typename T>
-  void operator()(T* pointer) const {
-    release(&pointer);
-  }
-};
-using Codec = std::unique_ptr<AVCodecContext, Release<avcodec_free_context>>;
-using Frame = std::unique_ptr<AVFrame, Release<av_frame_free>>;
-using Packet = std::unique_ptr<AVPacket, Release<av_packet_free>>;
-using Input = std::unique_ptr<AVFormatContext, Release<avformat_close_input>>;
 
 /// An MP4 file with one stream.
 class Mp4Writer {
  public:
   explicit Mp4Writer(const fs::path& file) : file_(file) {
-    checked(avformat_alloc_output_context2(&context_, nullptr, "mp4", file.c_str()), file);
+    checked(avformat_alloc_output_context2(&context_, nullptr, "mp4", av_file_url(file).c_str()), file);
     context_->flags |= AVFMT_FLAG_BITEXACT;  // no version of the library in the file
     stream_ = avformat_new_stream(context_, nullptr);
   }
@@ -63,9 +35,9 @@ class Mp4Writer {
   Mp4Writer(const Mp4Writer&) = delete;
   Mp4Writer& operator=(const Mp4Writer&) = delete;
 
-  [[nodiscard]] AVStream& stream() { return *made(stream_, file_, "no stream"); }
+  [[nodiscard]] AVStream& stream() { return *made(stream_, file_); }
   void begin() {
-    checked(avio_open(&context_->pb, file_.c_str(), AVIO_FLAG_WRITE), file_);
+    checked(avio_open(&context_->pb, av_file_url(file_).c_str(), AVIO_FLAG_WRITE), file_);
     checked(avformat_write_header(context_, nullptr), file_);
   }
   /// Takes the packet's content.
@@ -81,9 +53,9 @@ class Mp4Writer {
   AVStream* stream_ = nullptr;
 };
 
-Codec open_x264(const fs::path& file, int width, int height, double fps) {
-  const AVCodec* x264 = made(avcodec_find_encoder_by_name("libx264"), file, "libavcodec has no libx264");
-  Codec codec(made(avcodec_alloc_context3(x264), file, "no memory"));
+AvCodecHandle open_x264(const fs::path& file, int width, int height, double fps) {
+  const AVCodec* x264 = made(avcodec_find_encoder_by_name("libx264"), file);
+  AvCodecHandle codec(made(avcodec_alloc_context3(x264), file));
   codec->width = width;
   codec->height = height;
   codec->framerate = av_d2q(fps, 100000);
@@ -111,36 +83,35 @@ Codec open_x264(const fs::path& file, int width, int height, double fps) {
 
 struct FilmEncoder::Impl {
   fs::path file;
-  Codec codec;
+  AvCodecHandle codec;
   Mp4Writer out;
-  Frame frame;
-  Packet packet;
-  SwsContext* to_yuv = nullptr;
+  AvFrameHandle frame;
+  AvPacketHandle packet;
+  AvScalerHandle to_yuv;
   std::int64_t count = 0;
 
   Impl(const fs::path& path, int width, int height, double fps)
       : file(path),
         codec(open_x264(path, width, height, fps)),
         out(path),
-        frame(made(av_frame_alloc(), path, "no memory")),
-        packet(made(av_packet_alloc(), path, "no memory")) {
+        frame(made(av_frame_alloc(), path)),
+        packet(made(av_packet_alloc(), path)) {
     frame->format = codec->pix_fmt;
     frame->width = width;
     frame->height = height;
     checked(av_frame_get_buffer(frame.get(), 0), file);
     constexpr int k_exact = SWS_BICUBIC | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INP | SWS_BITEXACT;
-    to_yuv = made(sws_getContext(width, height, AV_PIX_FMT_BGR24, width, height, AV_PIX_FMT_YUV420P, k_exact, nullptr,
-                                 nullptr, nullptr),
-                  file, "no conversion of colours");
+    to_yuv.reset(made(sws_getContext(width, height, AV_PIX_FMT_BGR24, width, height, AV_PIX_FMT_YUV420P, k_exact,
+                                     nullptr, nullptr, nullptr),
+                      file));
     const int* bt709 = sws_getCoefficients(SWS_CS_ITU709);
-    sws_setColorspaceDetails(to_yuv, bt709, 1, bt709, 0, 0, 1 << 16, 1 << 16);
+    sws_setColorspaceDetails(to_yuv.get(), bt709, 1, bt709, 0, 0, 1 << 16, 1 << 16);
     AVStream& stream = out.stream();
     checked(avcodec_parameters_from_context(stream.codecpar, codec.get()), file);
     stream.time_base = codec->time_base;
     stream.avg_frame_rate = codec->framerate;
     out.begin();
   }
-  ~Impl() { sws_freeContext(to_yuv); }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
@@ -168,7 +139,7 @@ void FilmEncoder::add(const Image& image) {
   checked(av_frame_make_writable(&frame), impl_->file);
   const std::array<const std::uint8_t*, 1> rows{image.bgr.data()};
   const std::array<int, 1> stride{3 * image.width};
-  sws_scale(impl_->to_yuv, rows.data(), stride.data(), 0, image.height, frame.data, frame.linesize);
+  sws_scale(impl_->to_yuv.get(), rows.data(), stride.data(), 0, image.height, frame.data, frame.linesize);
   frame.pts = impl_->count++;
   impl_->encode(&frame);
 }
@@ -180,12 +151,12 @@ void FilmEncoder::finish() {
 
 void join_films(const std::vector<fs::path>& stretches, const fs::path& file) {
   Mp4Writer out(file);
-  const Packet packet(made(av_packet_alloc(), file, "no memory"));
+  const AvPacketHandle packet(made(av_packet_alloc(), file));
   std::int64_t start = 0;  // of a stretch, in the time base of the result
   for (const fs::path& stretch : stretches) {
     AVFormatContext* opened = nullptr;
-    checked(avformat_open_input(&opened, stretch.c_str(), nullptr, nullptr), stretch);
-    const Input in(opened);
+    checked(avformat_open_input(&opened, av_file_url(stretch).c_str(), nullptr, nullptr), stretch);
+    const AvInputHandle in(opened);
     const AVStream& from = *in->streams[0];
     if (start == 0) {
       checked(avcodec_parameters_copy(out.stream().codecpar, from.codecpar), file);

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <opencv2/imgproc.hpp>
 
 #include "render/ground_section.h"
 #include "render/terrain_mesh.h"
@@ -13,13 +12,22 @@ namespace {
 
 constexpr int k_still_supersampling = 2;
 
+/// Every pixel the mean of as many of the larger picture, rounded.
 Image reduced(const Image& from, int factor) {
   if (factor == 1) return from;
-  const cv::Mat large(from.height, from.width, CV_8UC3, const_cast<std::uint8_t*>(from.bgr.data()));
   Image image{from.width / factor, from.height / factor, {}};
-  image.bgr.resize(static_cast<std::size_t>(image.width) * image.height * 3);
-  cv::Mat small(image.height, image.width, CV_8UC3, image.bgr.data());
-  cv::resize(large, small, small.size(), 0.0, 0.0, cv::INTER_AREA);
+  image.bgr.reserve(3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
+  const int stride = 3 * from.width, count = factor * factor;
+  for (int y = 0; y < image.height; ++y) {
+    for (int byte = 0; byte < 3 * image.width; ++byte) {
+      const std::uint8_t* corner =
+          &from.bgr[static_cast<std::size_t>(y * factor * stride + byte / 3 * 3 * factor + byte % 3)];
+      int sum = count / 2;
+      for (int i = 0; i < factor; ++i)
+        for (int j = 0; j < factor; ++j) sum += corner[i * stride + 3 * j];
+      image.bgr.push_back(static_cast<std::uint8_t>(sum / count));
+    }
+  }
   return image;
 }
 
@@ -29,6 +37,16 @@ double tread_of(const Vehicle& vehicle) {
 
 float aspect_of(const RenderOptions& options) {
   return static_cast<float>(options.width) / static_cast<float>(options.height);
+}
+
+/// A white line between two pictures side by side: the last column of one, the first of the other.
+void draw_edges(Image& left, Image& right) {
+  const auto whiten = [](Image& image, int x) {
+    for (int y = 0; y < image.height; ++y)
+      std::fill_n(image.bgr.begin() + 3 * (y * image.width + x), 3, std::uint8_t{255});
+  };
+  whiten(left, left.width - 1);
+  whiten(right, 0);
 }
 
 }  // namespace
@@ -117,17 +135,18 @@ double SplitScreen::last_time() const {
 
 Image SplitScreen::at(double time) {
   if (parts_.size() == 1) return parts_.front()->at(time);
-  std::vector<Image> images;
-  std::vector<cv::Mat> views;
-  for (const auto& part : parts_) images.push_back(part->at(time));
-  for (Image& image : images) views.emplace_back(image.height, image.width, CV_8UC3, image.bgr.data());
-  cv::Mat joined;
-  cv::hconcat(views, joined);
-  for (int x = 0, i = 0; i + 1 < static_cast<int>(views.size()); ++i) {
-    x += views[static_cast<std::size_t>(i)].cols;
-    joined.colRange(x - 1, x + 1).setTo(cv::Scalar(255, 255, 255));
+  std::vector<Image> views;
+  for (const auto& part : parts_) views.push_back(part->at(time));
+  for (std::size_t i = 0; i + 1 < views.size(); ++i) draw_edges(views[i], views[i + 1]);
+  Image joined{0, views.front().height, {}};
+  for (const Image& view : views) joined.width += view.width;
+  for (int y = 0; y < joined.height; ++y) {
+    for (const Image& view : views) {
+      const auto row = view.bgr.begin() + 3 * y * view.width;
+      joined.bgr.insert(joined.bgr.end(), row, row + 3 * view.width);
+    }
   }
-  return {joined.cols, joined.rows, {joined.datastart, joined.dataend}};
+  return joined;
 }
 
 Image render_pose(const Vehicle& vehicle, const VehiclePose& pose, const RenderOptions& options) {

@@ -1,26 +1,63 @@
 #include "render/image.h"
 
-#include <opencv2/imgcodecs.hpp>
+#include <cstring>
 
 #include "model/errors.h"
 #include "model/provenance.h"
+#include "render/av_handles.h"
 
 namespace grouser {
+namespace {
+
+/// A frame of the picture in another arrangement of its pixels.
+AvFrameHandle frame_of(const Image& image, AVPixelFormat format, const std::string& what) {
+  AvFrameHandle frame(av_made(av_frame_alloc(), what));
+  frame->format = format;
+  frame->width = image.width;
+  frame->height = image.height;
+  av_checked(av_frame_get_buffer(frame.get(), 0), what);
+  constexpr int k_exact = SWS_BICUBIC | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INP | SWS_BITEXACT;
+  const AvScalerHandle scaler(av_made(sws_getContext(image.width, image.height, AV_PIX_FMT_BGR24, image.width,
+                                                     image.height, format, k_exact, nullptr, nullptr, nullptr),
+                                      what));
+  const std::array<const std::uint8_t*, 1> rows{image.bgr.data()};
+  const std::array<int, 1> stride{3 * image.width};
+  sws_scale(scaler.get(), rows.data(), stride.data(), 0, image.height, frame->data, frame->linesize);
+  return frame;
+}
+
+/// One picture by one of FFmpeg's codecs. `options`: as av_dict_parse_string() takes them.
+std::vector<std::uint8_t> encoded(const Image& image, const char* codec_name, AVPixelFormat format,
+                                  const std::string& options) {
+  const std::string what = std::string("cannot encode a picture with ") + codec_name;
+  const AVCodec* encoder = av_made(avcodec_find_encoder_by_name(codec_name), what);
+  const AvCodecHandle codec(av_made(avcodec_alloc_context3(encoder), what));
+  codec->width = image.width;
+  codec->height = image.height;
+  codec->pix_fmt = format;
+  codec->time_base = {1, 1};
+  codec->thread_count = 1;
+  AVDictionary* dictionary = nullptr;
+  av_dict_parse_string(&dictionary, options.c_str(), "=", ":", 0);
+  const int opened = avcodec_open2(codec.get(), encoder, &dictionary);
+  av_dict_free(&dictionary);
+  av_checked(opened, what);
+  const AvFrameHandle frame = frame_of(image, format, what);
+  const AvPacketHandle packet(av_made(av_packet_alloc(), what));
+  av_checked(avcodec_send_frame(codec.get(), frame.get()), what);
+  av_checked(avcodec_send_frame(codec.get(), nullptr), what);
+  av_checked(avcodec_receive_packet(codec.get(), packet.get()), what);
+  return {packet->data, packet->data + packet->size};
+}
+
+}  // namespace
 
 std::vector<std::uint8_t> encode_png(const Image& image, int level) {
-  const cv::Mat pixels(image.height, image.width, CV_8UC3, const_cast<std::uint8_t*>(image.bgr.data()));
-  std::vector<std::uint8_t> bytes;
-  if (!cv::imencode(".png", pixels, bytes, {cv::IMWRITE_PNG_COMPRESSION, level}))
-    throw FileError("cannot encode a picture as PNG");
-  return bytes;
+  return encoded(image, "png", AV_PIX_FMT_RGB24, "pred=mixed:compression_level=" + std::to_string(level));
 }
 
 std::vector<std::uint8_t> encode_webp(const Image& image, int quality) {
-  const cv::Mat pixels(image.height, image.width, CV_8UC3, const_cast<std::uint8_t*>(image.bgr.data()));
-  std::vector<std::uint8_t> bytes;
-  if (!cv::imencode(".webp", pixels, bytes, {cv::IMWRITE_WEBP_QUALITY, quality}))
-    throw FileError("cannot encode a picture as WebP");
-  return bytes;
+  return encoded(image, "libwebp", AV_PIX_FMT_YUV420P, "quality=" + std::to_string(quality));
 }
 
 void write_png(const Image& image, const std::filesystem::path& file) {
@@ -29,11 +66,24 @@ void write_png(const Image& image, const std::filesystem::path& file) {
 }
 
 Image read_png(const std::filesystem::path& file) {
-  const std::string bytes = read_whole(file);
-  const cv::Mat raw(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
-  const cv::Mat pixels = bytes.empty() ? cv::Mat() : cv::imdecode(raw, cv::IMREAD_COLOR);
-  if (pixels.empty()) throw FileError("cannot read " + file.string() + ": not a picture");
-  return {pixels.cols, pixels.rows, {pixels.datastart, pixels.dataend}};
+  const std::string bytes = read_whole(file), what = "cannot read " + file.string() + ": not a picture";
+  const AVCodec* decoder = av_made(avcodec_find_decoder(AV_CODEC_ID_PNG), what);
+  const AvCodecHandle codec(av_made(avcodec_alloc_context3(decoder), what));
+  codec->log_level_offset = AV_LOG_INFO;  // what fails is thrown
+  av_checked(avcodec_open2(codec.get(), decoder, nullptr), what);
+  const AvPacketHandle packet(av_made(av_packet_alloc(), what));
+  av_checked(av_new_packet(packet.get(), static_cast<int>(bytes.size())), what);
+  std::memcpy(packet->data, bytes.data(), bytes.size());
+  const AvFrameHandle frame(av_made(av_frame_alloc(), what));
+  av_checked(avcodec_send_packet(codec.get(), packet.get()), what);
+  av_checked(avcodec_receive_frame(codec.get(), frame.get()), what);
+  if (frame->format != AV_PIX_FMT_RGB24) throw FileError(what + " of three colours with eight bits each");
+  Image image{frame->width, frame->height, {}};
+  for (int y = 0; y < image.height; ++y) {
+    const std::uint8_t* row = frame->data[0] + y * frame->linesize[0];
+    for (int x = 0; x < image.width; ++x, row += 3) image.bgr.insert(image.bgr.end(), {row[2], row[1], row[0]});
+  }
+  return image;
 }
 
 }  // namespace grouser

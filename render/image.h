@@ -15,9 +15,8 @@ struct Image {
 void write_png(const Image& image, const std::filesystem::path& file);
 /// `level`: effort of the compression, 0..9.
 [[nodiscard]] std::vector<std::uint8_t> encode_png(const Image& image, int level = 3);
-/// WebP, for pages: drawings without loss (`quality` above 100) take a fifth of a PNG, photographs lossy (1..100) still
-/// less.
-[[nodiscard]] std::vector<std::uint8_t> encode_webp(const Image& image, int quality = 101);
+/// WebP, for photographs in pages. `quality`: 1..100.
+[[nodiscard]] std::vector<std::uint8_t> encode_webp(const Image& image, int quality);
 [[nodiscard]] Image read_png(const std::filesystem::path& file);
 
 }  // namespace grouser

@@ -1,0 +1,51 @@
+#pragma once
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+#include <libswscale/swscale.h>
+}
+
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "model/errors.h"
+
+namespace grouser {
+
+/// FFmpeg's objects, released where they end.
+template <auto release>
+struct AvRelease {
+  template <typename T>
+  void operator()(T* pointer) const {
+    release(&pointer);
+  }
+};
+using AvCodecHandle = std::unique_ptr<AVCodecContext, AvRelease<avcodec_free_context>>;
+using AvFrameHandle = std::unique_ptr<AVFrame, AvRelease<av_frame_free>>;
+using AvPacketHandle = std::unique_ptr<AVPacket, AvRelease<av_packet_free>>;
+using AvInputHandle = std::unique_ptr<AVFormatContext, AvRelease<avformat_close_input>>;
+struct AvScalerRelease {
+  void operator()(SwsContext* scaler) const { sws_freeContext(scaler); }
+};
+using AvScalerHandle = std::unique_ptr<SwsContext, AvScalerRelease>;
+
+/// What FFmpeg answered unless it is an error; throws FileError("`what`: reason") then.
+inline int av_checked(int code, const std::string& what) {
+  if (code >= 0) return code;
+  std::array<char, AV_ERROR_MAX_STRING_SIZE> text{};
+  av_strerror(code, text.data(), text.size());
+  throw FileError(what + ": " + text.data());
+}
+
+template <typename T>
+T* av_made(T* pointer, const std::string& what) {
+  if (pointer == nullptr) throw FileError(what + ": no memory, or not part of this FFmpeg");
+  return pointer;
+}
+
+/// A file's name as FFmpeg takes it for nothing else: "http:" or "concat:" at its beginning would not name a file.
+inline std::string av_file_url(const std::filesystem::path& file) { return "file:" + file.string(); }
+
+}  // namespace grouser

@@ -1,0 +1,28 @@
+#pragma once
+#include <filesystem>
+#include <memory>
+
+#include "render/image.h"
+
+namespace grouser {
+
+/// The frames of a film that FilmEncoder wrote, one after the other.
+class FilmReader {
+ public:
+  /// Throws FileError where the file holds no film in H.264.
+  explicit FilmReader(const std::filesystem::path& file);
+  ~FilmReader();
+  FilmReader(const FilmReader&) = delete;
+  FilmReader& operator=(const FilmReader&) = delete;
+
+  /// Goes on to the next frame; false after the last. Throws FileError where one cannot be read.
+  bool next();
+  /// The frame that next() went to.
+  [[nodiscard]] Image frame() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace grouser
