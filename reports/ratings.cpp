@@ -12,7 +12,6 @@ namespace grouser {
 namespace {
 
 using Curve = std::span<const double>;
-using Eigen::Map;
 using Eigen::VectorXd;
 
 // ISO/TS 18571:2014, its recommended parameters.
@@ -22,7 +21,11 @@ constexpr double k_warping_window = 0.1;                           // of the sam
 constexpr double k_worst_magnitude = 0.5, k_worst_slope = 2.0;     // errors that score nothing
 constexpr std::size_t k_smoothed = 9;                              // samples
 
-Map<const VectorXd> vector_of(Curve curve) { return {curve.data(), static_cast<Eigen::Index>(curve.size())}; }
+/// A copy in Eigen's own memory: where it sums a curve that lies anywhere, the order, and the last digit, follow the
+/// address.
+VectorXd vector_of(Curve curve) {
+  return Eigen::Map<const VectorXd>(curve.data(), static_cast<Eigen::Index>(curve.size()));
+}
 
 double largest(Curve curve) { return vector_of(curve).cwiseAbs().maxCoeff(); }
 
