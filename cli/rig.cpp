@@ -53,9 +53,9 @@ void require_own_folder(const RigRecord& rig, const fs::path& folder) {
   }
 }
 
-/// The name of a test as a file name that no other test has.
+/// The name of a test as a file name that no other test has: plain letters, fewer than file systems take.
 std::string file_of(const std::string& test, std::set<std::string>& taken) {
-  std::string name = test;
+  std::string name = test.substr(0, 100);
   std::ranges::replace_if(
       name, [](unsigned char c) { return std::isalnum(c) == 0 && c != '.' && c != '-'; }, '_');
   while (!taken.insert(name).second) name += '_';
