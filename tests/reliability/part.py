@@ -1,0 +1,39 @@
+"""The frame of a part: PART.py [--thorough] [-o FILE.json]; exit code 1 on any failure, rows of counted results for the page."""
+
+import argparse
+import json
+import sys
+
+
+class Part:
+    def __init__(self, name, title):
+        self.page = {"part": name, "title": title, "rows": [], "notes": []}
+        self.failures = []
+
+    def require(self, right, text):
+        if not right:
+            self.failures.append(text)
+            print("FAILED:", text, file=sys.stderr, flush=True)
+
+    def row(self, what, count, result):
+        print(f"{what}: {count}: {result}", flush=True)
+        self.page["rows"].append({"what": what, "count": count, "result": result})
+
+    def note(self, text):
+        print(text, flush=True)
+        self.page["notes"].append(text)
+
+
+def main(name, title, work):
+    """work(part, thorough) counts; a failure anywhere ends with 1, and no page is made of it."""
+    parser = argparse.ArgumentParser(description=title)
+    parser.add_argument("--thorough", action="store_true", help="the long form, whose figures go on the page")
+    parser.add_argument("-o", metavar="FILE.json", help="where the rows of the page go")
+    options = parser.parse_args()
+    part = Part(name, title)
+    work(part, options.thorough)
+    if part.failures:
+        sys.exit(f"{len(part.failures)} failures")
+    if options.o:
+        with open(options.o, "w", encoding="utf-8") as file:
+            json.dump(part.page, file, indent=1)
