@@ -107,27 +107,6 @@ double furthest_pivot(const Tree& tree) {
   return reach;
 }
 
-/// First part whose acceleration is not finite, links before the chassis; else the link that is accelerated most.
-Part wildest_part(const System& system, const Acceleration& acceleration) {
-  int wildest = -1;
-  double largest = -1.0;
-  for (const CompiledTrack& track : system.tracks) {
-    for (int i = track.offset; i < track.offset + track.num_links; ++i) {
-      double sum = 0.0;
-      for (int c = 0; c < 3; ++c)
-        sum += std::abs(acceleration.linear[c][i]) + 0.1 * std::abs(acceleration.angular[c][i]);
-      if (!std::isfinite(sum)) return {i, -1};
-      if (sum > largest) largest = sum, wildest = i;
-    }
-  }
-  const TreeAcceleration& chassis = acceleration.chassis;
-  for (Eigen::Index j = 0; j < chassis.joint.size(); ++j) {
-    if (!std::isfinite(chassis.joint[j])) return {-1, static_cast<int>(j)};
-  }
-  if (!chassis.linear.allFinite() || !chassis.angular.allFinite()) return {};
-  return {wildest, -1};
-}
-
 bool finite(const Acceleration& acceleration) {
   const auto sum = [](const Field::Values& values) {  // in packets: one after the other they would wait
     return Eigen::Map<const Eigen::ArrayXd>(values.data(), static_cast<Eigen::Index>(values.size())).sum();
@@ -229,10 +208,7 @@ StepStatus Stepper::step(double until) {
     const bool last = left <= h_ * (1.0 + 1e-9);
     const double h = last ? left : (left < 2.0 * h_ ? 0.5 * left : h_);
     const double turn = advance(system_, h, previous_h_, now, accelerations_[f_now_], accelerations_[f_before_], next);
-    if (!(turn < 0.5)) {  // rad in one step; also a NaN
-      worst_ = wildest_part(system_, accelerations_[f_now_]);
-      return StepStatus::turned_too_far;
-    }
+    if (!(turn < 0.5)) return StepStatus::turned_too_far;  // rad in one step; also a NaN
     next_work.bounds_step = since_bound_ + 1 >= k_steps_a_bound;
     evaluate(system_, knobs, now.history, h, next, next_work, accelerations_[f_next_]);
     ++evaluations_;
@@ -247,10 +223,7 @@ StepStatus Stepper::step(double until) {
       ++rejected_;
       continue;
     }
-    if (!finite(accelerations_[f_next_])) {
-      worst_ = wildest_part(system_, accelerations_[f_next_]);
-      return StepStatus::not_finite;
-    }
+    if (!finite(accelerations_[f_next_])) return StepStatus::not_finite;
     if (next_work.bottomed_unit >= 0) {
       worst_ = {-1, next_work.bottomed_unit};
       return StepStatus::bottomed;

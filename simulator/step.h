@@ -21,6 +21,13 @@ inline constexpr const char* k_step_limit_names[] = {"error",    "stability", "g
 
 enum class StepStatus { ok, not_finite, turned_too_far, underflow, bottomed };
 
+/// What a step that failed had tried; forces and accelerations only where no link turned too far.
+struct Trial {
+  const State& state;
+  const Workspace& work;
+  const Acceleration& acceleration;
+};
+
 /// The state that a run moves through: two states and workspaces taken in turn, three accelerations.
 class Stepper {
  public:
@@ -58,10 +65,12 @@ class Stepper {
   [[nodiscard]] Part last_limiting() const { return last_limiting_; }
   /// Largest step that was stable for certain when it was last looked for, some steps ago [s].
   [[nodiscard]] double stable_step() const { return stable_step_; }
+  [[nodiscard]] Part bounding() const { return bounding_; }  ///< what set it
   [[nodiscard]] long rejected() const { return rejected_; }
   [[nodiscard]] long evaluations() const { return evaluations_; }
-  /// Part with the largest error of the last trial, or the one that a failed step ended on.
+  /// Part with the largest error of the last trial, or the arm whose gas unit bottomed.
   [[nodiscard]] Part worst() const { return worst_; }
+  [[nodiscard]] Trial trial() const { return {states_[1 - now_], works_[1 - now_], accelerations_[f_next_]}; }
 
  private:
   /// Largest local error of the trial over its tolerance; fills worst_.

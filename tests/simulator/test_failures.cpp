@@ -1,0 +1,118 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <vector>
+
+#include "simulator/failures.h"
+#include "tests/support/vehicle_scene.h"
+
+/// What a run that fails says about itself: the part, the quantity, its value, and what to do. Each failure is brought
+/// about by writing a number that no file could hold into the state or the masses of a sound vehicle.
+namespace grouser::test {
+namespace {
+
+using testing::AllOf;
+using testing::ContainsRegex;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+
+struct FailingVehicle {
+  System system = reference_scene().system;
+  State state = reference_scene().rest.state;
+  /// Steps until one fails, and returns what it says.
+  std::string failure(const std::vector<StepStatus>& expected) const {
+    Stepper stepper(system, state, reference_scene().rest.knobs);
+    StepStatus status = StepStatus::ok;
+    for (int i = 0; i < 5000 && status == StepStatus::ok; ++i) status = stepper.step(1e9);
+    EXPECT_THAT(expected, testing::Contains(status));
+    return step_failure(system, stepper, status);
+  }
+  /// The same of a state that is no number: whether it is seen in the turn of a link or later is a matter of lanes.
+  std::string failure() const { return failure({StepStatus::not_finite, StepStatus::turned_too_far}); }
+};
+
+TEST(Failure, NamesTheLinkWhoseVelocityIsNoNumber) {
+  FailingVehicle vehicle;
+  vehicle.state.velocity[1][vehicle.system.tracks[1].offset + 17] = k_nan;
+  EXPECT_THAT(vehicle.failure(),
+              StartsWith("link 17 of the right track: its velocity along y is nan m/s: the run diverged; look there"));
+}
+
+TEST(Failure, NamesTheLinkWhoseTurningIsNoNumber) {
+  FailingVehicle vehicle;
+  vehicle.state.angular_velocity[1][5] = k_nan;
+  EXPECT_THAT(vehicle.failure(),
+              StartsWith("link 5 of the left track: its angular velocity about y is nan rad/s: the run diverged;"));
+}
+
+TEST(Failure, NamesTheJointWhoseRateIsInfinite) {
+  FailingVehicle vehicle;
+  const int arm = vehicle.system.suspension.front().body;
+  vehicle.state.chassis.rate[arm] = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(vehicle.failure(),
+              StartsWith("left/arm_1: its angular velocity about its joint is inf rad/s: the run diverged;"));
+}
+
+TEST(Failure, NamesTheChassis) {
+  FailingVehicle vehicle;
+  vehicle.state.chassis.angular_velocity.z() = k_nan;
+  EXPECT_THAT(vehicle.failure(),
+              StartsWith("the chassis: its angular velocity about z is nan rad/s: the run diverged;"));
+}
+
+TEST(Failure, NamesTheForceThatIsTheFirstToBeNoNumber) {
+  FailingVehicle vehicle;  // a ground whose stiffness times its depth passes the largest number
+  vehicle.system.tracks[0].ground.stiffness = 1e308;
+  vehicle.state.position[2][40] -= 1e3;
+  EXPECT_THAT(vehicle.failure(), ContainsRegex("contact force of the ground along z is inf N"));
+}
+
+TEST(Failure, NamesTheJointWithoutInertia) {
+  FailingVehicle vehicle;
+  for (TreeBody& body : vehicle.system.tree.bodies) {
+    if (body.name != "right/roller_2") continue;
+    body.mass = 1e-320;
+    body.inertia = 1e-320 * Matrix3d::Identity();
+  }
+  EXPECT_THAT(vehicle.failure(),
+              AllOf(StartsWith("right/roller_2: its inertia about its joint is 1e-320 kg m2: the mass "
+                               "matrix is singular; give it"),
+                    HasSubstr("the mass and inertia of a real body")));
+}
+
+TEST(Failure, NamesWhatTurnsTooFarAndTheStepThatIsTooLong) {
+  FailingVehicle vehicle;
+  vehicle.system = driven(4.5, 4.5);
+  vehicle.system.scenario.integrator.fixed_step = 6e-4;
+  EXPECT_THAT(vehicle.failure({StepStatus::turned_too_far}),
+              AllOf(ContainsRegex("^link [0-9]+ of the (left|right) track: its angular velocity about [xyz] is "
+                                  "-?[0-9.e+]+ rad/s, more than half a radian in a step of 0.6 ms"),
+                    ContainsRegex("reduce integrator.fixed_step \\(0.6 ms\\) or leave it out: the step is bounded by "
+                                  "link [0-9]+ of the (left|right) track, which is stable below 0.1[0-9]* ms only")));
+}
+
+TEST(Failure, NamesTheJumpThatNoStepFollows) {
+  FailingVehicle vehicle;
+  vehicle.system = driven(45.0, 45.0);
+  vehicle.system.scenario.integrator.velocity_tolerance = 1e-9;
+  vehicle.system.scenario.integrator.min_step = 1e-5;
+  EXPECT_THAT(vehicle.failure({StepStatus::underflow}),
+              AllOf(ContainsRegex("^link [0-9]+ of the (left|right) track: its (angular )?acceleration (along|about) "
+                                  "[xyz] jumps by -?[0-9.e+]+ (m|rad)/s2 within the least step"),
+                    HasSubstr("(integrator.min_step, 0.01 ms)"), HasSubstr("step underflow; look there")));
+}
+
+TEST(Failure, NamesThePartThatIsTooStiffForTheLeastStep) {
+  FailingVehicle vehicle;
+  vehicle.system.scenario.integrator.min_step = 2e-4;
+  vehicle.system.scenario.integrator.max_step = 3e-4;
+  EXPECT_THAT(vehicle.failure({StepStatus::underflow}),
+              ContainsRegex("integrator.min_step \\(0.2 ms\\) is too long for link [0-9]+ of the (left|right) track, "
+                            "which is stable below 0.1[0-9]* ms only; it is too stiff for its mass and inertia"));
+}
+
+}  // namespace
+}  // namespace grouser::test
