@@ -202,7 +202,13 @@ void archive(Archive& a, SlackSpan& slack) {
 }
 
 template <typename Archive>
-void archive(Archive& a, RunSeries::StepSum& sum) {
+void archive(Archive& a, SlackSpell& spell) {
+  auto& [begun, last_teeth] = spell;
+  a(begun, last_teeth);
+}
+
+template <typename Archive>
+void archive(Archive& a, RunMeasures::StepSum& sum) {
   auto& [time, count, by_error, by_stability] = sum;
   a(time, count, by_error, by_stability);
 }
@@ -221,11 +227,24 @@ void archive(Archive& a, RubberLoads& loads) {
 }
 
 template <typename Archive>
-void archive(Archive& a, RunSeries& series) {
-  auto& [time, x, y, yaw, speed, yaw_rate, ground_force, probe_time, probe_torque, rest_steps, steady_steps, rubber,
-         largest_guide_offset, skipped_teeth, slack, case_total] = series;
-  a(time, x, y, yaw, speed, yaw_rate, ground_force, probe_time, probe_torque, rest_steps, steady_steps, rubber,
-    largest_guide_offset, skipped_teeth, slack, case_total);
+void archive(Archive& a, RunMeasures::Mean& mean) {
+  auto& [sum, count] = mean;
+  a(sum, count);
+}
+
+template <typename Archive>
+void archive(Archive& a, RunMeasures::Place& place) {
+  auto& [x, y, yaw, speed] = place;
+  a(x, y, yaw, speed);
+}
+
+template <typename Archive>
+void archive(Archive& a, RunMeasures& measures) {
+  auto& [samples, first, last, rest_ground_force, largest_aside, largest_way, straight_speed, turn_rate, tone_time,
+         left_torque, rest_steps, steady_steps, rubber, largest_guide_offset, skipped_teeth, slack, case_total] =
+      measures;
+  a(samples, first, last, rest_ground_force, largest_aside, largest_way, straight_speed, turn_rate, tone_time,
+    left_torque, rest_steps, steady_steps, rubber, largest_guide_offset, skipped_teeth, slack, case_total);
 }
 
 }  // namespace grouser

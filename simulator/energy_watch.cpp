@@ -114,8 +114,9 @@ std::string EnergyWatch::bounding_part() const {
 std::string EnergyWatch::remedy(const Stepper& stepper) const {
   const IntegratorOptions& options = system_.scenario.integrator;
   if (options.fixed_step > 0.0) {
-    return fmt::format("integrator.fixed_step is {:.2f} times the bound that stability_fraction ({:.2f}) is meant for",
-                       options.fixed_step / stepper.stable_step(), options.stability_fraction);
+    return fmt::format(
+        "reduce integrator.fixed_step, which is {:.2f} times the bound that stability_fraction ({:.2f}) is meant for",
+        options.fixed_step / stepper.stable_step(), options.stability_fraction);
   }
   if (stepper.last_limit() == StepLimit::min_step)
     return "reduce integrator.min_step, which holds the steps above the stable ones";

@@ -15,17 +15,6 @@ namespace {
 
 constexpr double k_brisk = 5.0;  // m/s; below it link passing neither stands out nor shortens the step
 
-double mean_over(const std::vector<double>& time, const std::vector<double>& value, const Interval& span) {
-  double sum = 0.0;
-  int count = 0;
-  for (std::size_t i = 0; i < time.size(); ++i) {
-    if (time[i] < span.from || time[i] > span.to) continue;
-    sum += value[i];
-    ++count;
-  }
-  return sum / std::max(1, count);
-}
-
 class Sheet {
  public:
   explicit Sheet(RunSummary& summary) : summary_(summary) {}
@@ -43,8 +32,8 @@ class Sheet {
   RunSummary& summary_;
 };
 
-void rest_results(const System& system, const Assembled& assembled, const RunSeries& series, Sheet& sheet) {
-  const double ground = series.ground_force.empty() ? 0.0 : series.ground_force.front();
+void rest_results(const System& system, const Assembled& assembled, const RunMeasures& measures, Sheet& sheet) {
+  const double ground = measures.rest_ground_force;
   sheet.result("rest_ground_force_N", ground, "N", "vertical ground force at rest, sum over all links");
   sheet.result("weight_N", system.weight, "N", "weight of the vehicle");
   sheet.check("Ground force at rest over weight", ground / system.weight, "1", "within 0.5 % of 1",
@@ -87,18 +76,17 @@ bool always_straight(const System& system) {
   return true;
 }
 
-void straight_results(const System& system, const RunSeries& series, const Interval& cruise, Sheet& sheet) {
+void straight_results(const System& system, const RunMeasures& measures, const Interval& cruise, Sheet& sheet) {
   const double v = feed(system, Side::left, 0.5 * (cruise.from + cruise.to));
-  // The first half second after a corner still shows the vehicle's pitching.
-  const Interval settled{cruise.from + 0.5, cruise.to};
-  const double speed = mean_over(series.time, series.speed, settled);
+  const double speed = measures.straight_speed.value();
   sheet.result("cruise_speed_m_per_s", speed, "m/s", "mean forward speed while the sprockets hold their speed");
   sheet.check("Mean cruise speed", speed, "m/s", fmt::format("within 3 % of N p omega / 2 pi = {:.3f} m/s", v),
               std::abs(speed / v - 1.0) <= 0.03);
   const double passing = std::abs(v) / system.tracks[0].pitch;
   sheet.result("link_passing_frequency_Hz", passing, "Hz", "teeth times sprocket speed over 2 pi");
-  if (settled.to - settled.from >= 1.0 && !series.probe_time.empty()) {
-    const SpectralLine line = spectral_line(series.probe_time, series.probe_torque, settled.from, settled.to, passing);
+  const Interval heard = tone_window(cruise);
+  if (heard.to - heard.from >= 1.0 && !measures.tone_time.empty()) {
+    const SpectralLine line = spectral_line(measures.tone_time, measures.left_torque, heard.from, heard.to, passing);
     sheet.result("link_passing_torque_N_m", line.amplitude, "N m",
                  "amplitude of the left sprocket's torque at link passing");
     sheet.result("link_passing_torque_background_N_m", line.background, "N m", "median amplitude around it");
@@ -121,16 +109,15 @@ bool stands_symmetric(const System& system, const State& rest) {
   return same(0, 1.0) && same(1, -1.0) && same(2, 1.0);
 }
 
-void whole_straight_run(const System& system, const RunSeries& series, bool symmetric, Sheet& sheet) {
+void whole_straight_run(const System& system, const RunMeasures& measures, bool symmetric, Sheet& sheet) {
   const Scenario& scenario = system.scenario;
   const double turned = drive_motion(scenario.drive[0], scenario.duration).angle;
   const double ideal = turned * system.tracks[0].speed_per_sprocket_rate;
-  const double distance = series.x.back() - series.x.front();
+  const double distance = measures.last.x - measures.first.x;
   sheet.result("distance_m", distance, "m", "way of the chassis origin along x");
   sheet.check("Distance", distance, "m", fmt::format("within 3 % of {:.1f} m", ideal),
               std::abs(distance - ideal) <= 0.03 * std::abs(ideal));
-  double drift = 0.0;
-  for (const double y : series.y) drift = std::max(drift, std::abs(y - series.y.front()));
+  const double drift = measures.largest_aside;
   sheet.result("lateral_drift_m", drift, "m", "largest |y| of the chassis origin");
   if (symmetric) sheet.check("Lateral drift", drift, "m", "under 0.02 m", drift < 0.02);
 }
@@ -143,51 +130,47 @@ bool never_driven(const Scenario& scenario) {
 }
 
 /// A vehicle whose sprockets never turn stays where it is.
-void parked_results(const RunSeries& series, Sheet& sheet) {
-  double drift = 0.0;
-  for (std::size_t i = 0; i < series.x.size(); ++i) {
-    drift = std::max(drift, std::hypot(series.x[i] - series.x.front(), series.y[i] - series.y.front()));
-  }
-  const double speed = std::abs(series.speed.back());
+void parked_results(const RunMeasures& measures, Sheet& sheet) {
+  const double drift = measures.largest_way, speed = std::abs(measures.last.speed);
   sheet.result("parked_drift_m", drift, "m", "largest way of the chassis origin from where it stood at time 0");
   sheet.result("parked_speed_m_per_s", speed, "m/s", "forward speed at the end");
   sheet.check("Drift of the parked vehicle", drift, "m", "under 0.001 m", drift < 1e-3);
   sheet.check("Speed of the parked vehicle at the end", speed, "m/s", "under 0.001 m/s", speed < 1e-3);
 }
 
-void turn_results(const System& system, const RunSeries& series, const Interval& turn, Sheet& sheet) {
+void turn_results(const System& system, const RunMeasures& measures, const Interval& turn, Sheet& sheet) {
   const Vehicle& vehicle = system.scenario.vehicle;
   const double tread = vehicle.side(Side::left).track_center_y - vehicle.side(Side::right).track_center_y;
   const double mid = 0.5 * (turn.from + turn.to);
   const double no_slip = (feed(system, Side::right, mid) - feed(system, Side::left, mid)) / tread;
-  const Interval settled{turn.from + std::min(1.0, 0.5 * (turn.to - turn.from)), turn.to};
-  const double rate = mean_over(series.time, series.yaw_rate, settled);
+  const double rate = measures.turn_rate.value();
   sheet.result("yaw_rate_rad_per_s", rate, "rad/s", "mean steady yaw rate, left turn > 0");
   sheet.result("no_slip_yaw_rate_rad_per_s", no_slip, "rad/s", "(v_right - v_left) / tread");
   sheet.check("Yaw rate over the no-slip rate", rate / no_slip, "1", "between 0.5 and 1",
               rate / no_slip > 0.5 && rate / no_slip < 1.0);
-  sheet.result("yaw_turned_rad", series.yaw.back() - series.yaw.front(), "rad", "heading change over the run");
-  sheet.result("center_drift_m", std::hypot(series.x.back() - series.x.front(), series.y.back() - series.y.front()),
+  sheet.result("yaw_turned_rad", measures.last.yaw - measures.first.yaw, "rad", "heading change over the run");
+  sheet.result("center_drift_m", std::hypot(measures.last.x - measures.first.x, measures.last.y - measures.first.y),
                "m", "way of the chassis origin");
 }
 
 /// The paper's Fig. 4 statement, and how far the rubber was driven beyond what was identified.
-void step_results(const RunSeries& series, double speed, Sheet& sheet) {
-  if (series.rest_steps.count == 0 || series.steady_steps.count == 0) return;
-  sheet.result("rest_mean_step_s", series.rest_steps.mean(), "s", "mean step while the sprockets are nearly still");
-  sheet.result("steady_mean_step_s", series.steady_steps.mean(), "s", "mean step while the sprockets hold their speed");
-  const double ratio = series.steady_steps.mean() / series.rest_steps.mean();
+void step_results(const RunMeasures& measures, double speed, Sheet& sheet) {
+  if (measures.rest_steps.count == 0 || measures.steady_steps.count == 0) return;
+  sheet.result("rest_mean_step_s", measures.rest_steps.mean(), "s", "mean step while the sprockets are nearly still");
+  sheet.result("steady_mean_step_s", measures.steady_steps.mean(), "s",
+               "mean step while the sprockets hold their speed");
+  const double ratio = measures.steady_steps.mean() / measures.rest_steps.mean();
   // Where stability bounds the steps they follow stiffness and friction, not the speed (P 3).
-  if (std::abs(speed) < k_brisk || series.steady_steps.by_error <= series.steady_steps.by_stability) return;
+  if (std::abs(speed) < k_brisk || measures.steady_steps.by_error <= measures.steady_steps.by_stability) return;
   sheet.check("Mean step at speed over mean step at rest", ratio, "1", "under 1 (the paper's observation)",
               ratio < 1.0);
 }
 
-void range_results(const System& system, const RunSeries& series, Sheet& sheet) {
+void range_results(const System& system, const RunMeasures& measures, Sheet& sheet) {
   for (int a = 0; a < k_num_axes; ++a) {
     const auto& valid = system.scenario.bushing.axes[static_cast<std::size_t>(a)].valid;
     if (!valid || valid->amplitude <= 0.0) continue;
-    const double largest = series.rubber.largest_deflection[static_cast<std::size_t>(a)];
+    const double largest = measures.rubber.largest_deflection[static_cast<std::size_t>(a)];
     sheet.result(
         fmt::format("bushing_{}_largest_over_identified", k_axis_names[static_cast<std::size_t>(a)]),
         largest / valid->amplitude, "1",
@@ -195,15 +178,15 @@ void range_results(const System& system, const RunSeries& series, Sheet& sheet) 
   }
 }
 
-void track_results(const RunSeries& series, Sheet& sheet) {
-  sheet.results(rubber_results(series.rubber));
-  sheet.result("largest_guide_offset_m", series.largest_guide_offset, "m",
+void track_results(const RunMeasures& measures, Sheet& sheet) {
+  sheet.results(rubber_results(measures.rubber));
+  sheet.result("largest_guide_offset_m", measures.largest_guide_offset, "m",
                "of a link from the middle of a wheel it meets");
   double skipped = 0.0;
-  for (const double teeth : series.skipped_teeth) skipped = std::abs(teeth) > std::abs(skipped) ? teeth : skipped;
+  for (const double teeth : measures.skipped_teeth) skipped = std::abs(teeth) > std::abs(skipped) ? teeth : skipped;
   sheet.result("skipped_teeth", skipped, "1", "links passed at the sprocket less teeth, worse side");
   for (const Side side : {Side::left, Side::right}) {
-    const SlackSpan& slack = series.slack[static_cast<std::size_t>(index_of(side))];
+    const SlackSpan& slack = measures.slack[static_cast<std::size_t>(index_of(side))];
     if (slack.time < 0.0) continue;
     sheet.result(fmt::format("{}_first_slack_time_s", name_of(side)), slack.time, "s",
                  "the span between sprocket and next road wheel first carries nothing: pins may climb the teeth");
@@ -211,11 +194,11 @@ void track_results(const RunSeries& series, Sheet& sheet) {
                  "of track, by which the idler had given way then");
   }
   sheet.check("Skipped teeth", skipped, "1", "under 0.5", std::abs(skipped) < 0.5);
-  sheet.check("Track stays on: lateral offset in the guide", series.largest_guide_offset, "m",
-              fmt::format("under {} m", k_thrown_offset), series.largest_guide_offset < k_thrown_offset);
-  const auto samples = static_cast<double>(std::max<std::size_t>(1, series.time.size()));
+  sheet.check("Track stays on: lateral offset in the guide", measures.largest_guide_offset, "m",
+              fmt::format("under {} m", k_thrown_offset), measures.largest_guide_offset < k_thrown_offset);
+  const auto samples = static_cast<double>(std::max(1L, measures.samples));
   for (std::size_t c = 0; c < k_num_contact_cases; ++c) {
-    sheet.result(fmt::format("mean_contacts_{}", k_contact_case_names[c]), series.case_total[c] / samples, "1",
+    sheet.result(fmt::format("mean_contacts_{}", k_contact_case_names[c]), measures.case_total[c] / samples, "1",
                  "mean number of contacts of this case");
   }
 }
@@ -243,6 +226,20 @@ std::optional<Interval> steady_drive(const Scenario& scenario) {
     if (!best || to - from > best->to - best->from) best = Interval{from, to};
   }
   return best;
+}
+
+Interval straight_window(const Interval& steady) {
+  return {steady.from + 0.5, steady.to};  // half a second after a corner the vehicle still pitches
+}
+
+Interval turn_window(const Interval& steady) {
+  return {steady.from + std::min(1.0, 0.5 * (steady.to - steady.from)), steady.to};
+}
+
+Interval tone_window(const Interval& steady) {
+  constexpr double k_longest = 10.0;  // s; bins of 0.1 Hz. The work grows with the square of it.
+  const Interval all = straight_window(steady);
+  return {std::max(all.from, all.to - k_longest), all.to};
 }
 
 SpectralLine spectral_line(const std::vector<double>& time, const std::vector<double>& value, double from, double to,
@@ -283,33 +280,32 @@ SpectralLine spectral_line(const std::vector<double>& time, const std::vector<do
   return line;
 }
 
-void add_results(const System& system, const Assembled& assembled, const RunSeries& series, const EnergyBook& book,
+void add_results(const System& system, const Assembled& assembled, const RunMeasures& measures, const EnergyBook& book,
                  RunSummary& summary) {
   Sheet sheet(summary);
-  rest_results(system, assembled, series, sheet);
-  if (series.time.size() >= 2 && summary.status == RunStatus::completed) {
+  rest_results(system, assembled, measures, sheet);
+  if (measures.samples >= 2 && summary.status == RunStatus::completed) {
     const Scenario& scenario = system.scenario;
     if (const std::optional<Interval> steady = steady_drive(scenario)) {
       if (always_straight(system)) {
-        straight_results(system, series, *steady, sheet);
+        straight_results(system, measures, *steady, sheet);
         if (system.ground.level() && scenario.drive[0].kind == DriveKind::speed)
-          whole_straight_run(system, series, stands_symmetric(system, assembled.state), sheet);
+          whole_straight_run(system, measures, stands_symmetric(system, assembled.state), sheet);
       } else if (!feeds_alike(system, 0.5 * (steady->from + steady->to))) {
-        turn_results(system, series, *steady, sheet);
+        turn_results(system, measures, *steady, sheet);
       }
     } else if (never_driven(scenario)) {
-      parked_results(series, sheet);
+      parked_results(measures, sheet);
     }
   }
   const std::optional<Interval> steady = steady_drive(system.scenario);
   const double mid = steady ? 0.5 * (steady->from + steady->to) : 0.0;
-  step_results(series, steady ? 0.5 * (feed(system, Side::left, mid) + feed(system, Side::right, mid)) : 0.0, sheet);
-  track_results(series, sheet);
-  range_results(system, series, sheet);
+  step_results(measures, steady ? 0.5 * (feed(system, Side::left, mid) + feed(system, Side::right, mid)) : 0.0, sheet);
+  track_results(measures, sheet);
+  range_results(system, measures, sheet);
   sheet.check("Energy residual over the integral of |sprocket power|", book.residual_fraction(), "1", "under 1e-3",
               book.residual_fraction() < 1e-3);
-  sheet.result("final_speed_m_per_s", series.speed.empty() ? 0.0 : series.speed.back(), "m/s",
-               "forward speed at the end");
+  sheet.result("final_speed_m_per_s", measures.last.speed, "m/s", "forward speed at the end");
 }
 
 }  // namespace grouser

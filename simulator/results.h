@@ -11,12 +11,31 @@
 
 namespace grouser {
 
-/// Series kept in memory while a run goes, for its results: one entry a sample.
-struct RunSeries {
-  std::vector<double> time, x, y, yaw, speed, yaw_rate;  ///< chassis origin, W
-  std::vector<double> ground_force;                      ///< N, vertical, all links
-  std::vector<double> probe_time;                        ///< s, at the probe rate
-  std::vector<double> probe_torque;                      ///< N m, left sprocket
+/// A stretch of time [s].
+struct Interval {
+  double from = 0.0, to = 0.0;
+  [[nodiscard]] bool holds(double time) const { return time >= from && time <= to; }
+};
+
+/// What a run's results are made of. It does not grow with the run, however long that is.
+struct RunMeasures {
+  /// Mean of the samples that were added.
+  struct Mean {
+    double sum = 0.0;
+    long count = 0;
+    void add(double value) { sum += value, ++count; }
+    [[nodiscard]] double value() const { return count > 0 ? sum / static_cast<double>(count) : 0.0; }
+  };
+  /// Of a sample: chassis origin and heading in W, forward speed.
+  struct Place {
+    double x = 0.0, y = 0.0, yaw = 0.0, speed = 0.0;  ///< m, m, rad (turns counted), m/s
+  };
+  long samples = 0;
+  Place first, last;
+  double rest_ground_force = 0.0;                 ///< N, vertical, all links, of the first sample
+  double largest_aside = 0.0, largest_way = 0.0;  ///< m, of any sample from the first: along y, in x and y
+  Mean straight_speed, turn_rate;                 ///< m/s, rad/s, over straight_window and turn_window
+  std::vector<double> tone_time, left_torque;     ///< s, N m of the left sprocket, at the probe rate in tone_window
   struct StepSum {
     double time = 0.0;
     long count = 0;
@@ -37,14 +56,16 @@ struct RunSeries {
 };
 
 /// Named scalars and checks of a run; which ones depends on what was driven (cruise, turn, stop, rest).
-void add_results(const System& system, const Assembled& assembled, const RunSeries& series, const EnergyBook& book,
+void add_results(const System& system, const Assembled& assembled, const RunMeasures& measures, const EnergyBook& book,
                  RunSummary& summary);
 
 /// Longest stretch of a scenario, of half a second at least, with both sprockets at a constant speed other than zero.
-struct Interval {
-  double from = 0.0, to = 0.0;
-};
 [[nodiscard]] std::optional<Interval> steady_drive(const Scenario& scenario);
+/// The part of a steady drive over which a straight one, a turn is judged: without what a corner of the drive leaves.
+[[nodiscard]] Interval straight_window(const Interval& steady);
+[[nodiscard]] Interval turn_window(const Interval& steady);
+/// The part of it in which link passing is looked for: the last ten seconds tell it as well as an hour.
+[[nodiscard]] Interval tone_window(const Interval& steady);
 
 /// Amplitude of a line at `frequency` [Hz] in samples from..to of a series (Hann window), and of its background (median
 /// over

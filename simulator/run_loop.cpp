@@ -76,7 +76,7 @@ RunStatus RunLoop::go(const Progress& progress, RunSummary& summary) {
       if (recorder_.chunk_filled()) keep();
     }
   }
-  summary.message = fmt::format("{:.3f} s simulated", stepper_.state().time) + remarks(system_, series());
+  summary.message = fmt::format("{:.3f} s simulated", stepper_.state().time) + remarks(system_, measures());
   return RunStatus::completed;
 }
 
@@ -98,14 +98,14 @@ std::optional<std::string> RunLoop::advance_to(double until) {
 }
 
 /// What the recorder kept, and what the tracks were seen to do.
-RunSeries RunLoop::series() const {
-  RunSeries series = recorder_.series();
+RunMeasures RunLoop::measures() const {
+  RunMeasures measures = recorder_.measures();
   for (const Side side : {Side::left, Side::right}) {
     const auto s = static_cast<std::size_t>(index_of(side));
-    series.skipped_teeth[s] = track_watch_.skipped_teeth(side);
-    series.slack[s] = track_watch_.slack(side);
+    measures.skipped_teeth[s] = track_watch_.skipped_teeth(side);
+    measures.slack[s] = track_watch_.slack(side);
   }
-  return series;
+  return measures;
 }
 
 bool RunLoop::report(const Progress& progress, RunSummary& summary) const {
@@ -153,22 +153,22 @@ void RunLoop::finish(RunSummary& summary) {
   summary.energy.dissipated = book_.dissipated();
   summary.energy.residual = book_.residual();
   summary.energy.residual_fraction = book_.residual_fraction();
-  add_results(system_, start_.assembled, series(), book_, summary);
+  add_results(system_, start_.assembled, measures(), book_, summary);
   summary.results.push_back({"mean_step_s", steps_.mean, "s", "mean accepted step"});
 }
 
-std::string remarks(const System& system, const RunSeries& series) {
+std::string remarks(const System& system, const RunMeasures& measures) {
   std::string beyond;
   for (int a = 0; a < k_num_axes; ++a) {
     const auto axis = static_cast<std::size_t>(a);
     const auto& valid = system.scenario.bushing.axes[axis].valid;
-    if (!valid || valid->amplitude <= 0.0 || series.rubber.largest_deflection[axis] <= valid->amplitude) continue;
+    if (!valid || valid->amplitude <= 0.0 || measures.rubber.largest_deflection[axis] <= valid->amplitude) continue;
     beyond += fmt::format("{} {} {:.2f} times", beyond.empty() ? "" : ",", k_axis_names[axis],
-                          series.rubber.largest_deflection[axis] / valid->amplitude);
+                          measures.rubber.largest_deflection[axis] / valid->amplitude);
   }
   std::string all;
   for (const Side side : {Side::left, Side::right}) {
-    const SlackSpan& slack = series.slack[static_cast<std::size_t>(index_of(side))];
+    const SlackSpan& slack = measures.slack[static_cast<std::size_t>(index_of(side))];
     if (slack.time < 0.0) continue;
     all += fmt::format("; span at the {} sprocket slack at {:.3f} s", name_of(side), slack.time);
   }

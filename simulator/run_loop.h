@@ -52,7 +52,7 @@ class RunLoop {
   [[nodiscard]] std::vector<double> corners() const;
   /// One step. Returns the reason where it ends the run as failed.
   [[nodiscard]] std::optional<std::string> advance_to(double until);
-  [[nodiscard]] RunSeries series() const;
+  [[nodiscard]] RunMeasures measures() const;
   bool report(const Progress& progress, RunSummary& summary) const;
   void keep();
   void save();
@@ -79,6 +79,6 @@ class RunLoop {
 
 /// What a user must know of a run that is otherwise sound: rubber deflected further than was measured, a span that
 /// went slack. Begins with "; ", empty when there is nothing.
-[[nodiscard]] std::string remarks(const System& system, const RunSeries& series);
+[[nodiscard]] std::string remarks(const System& system, const RunMeasures& measures);
 
 }  // namespace grouser

@@ -27,19 +27,12 @@ RunRecorder::RunRecorder(const System& system, const std::filesystem::path& file
   for (const DriveTable& table : system.scenario.drive) {
     for (const double speed : table.speed) largest_rate_ = std::max(largest_rate_, std::abs(speed));
   }
-  reserve_series();
-}
-
-/// Room for the whole run, or the first million rows of a very long one.
-void RunRecorder::reserve_series() {
-  const auto reserve = [&](double rate, std::initializer_list<std::vector<double>*> all) {
-    constexpr double k_most_rows = 1 << 20;
-    const double rows = std::min(rate * system_.scenario.duration + 2.0, k_most_rows);
-    for (std::vector<double>* series : all) series->reserve(static_cast<std::size_t>(rows));
-  };
-  RunSeries& s = series_;
-  reserve(system_.scenario.output.rate, {&s.time, &s.x, &s.y, &s.yaw, &s.speed, &s.yaw_rate, &s.ground_force});
-  reserve(system_.scenario.output.probe_rate, {&s.probe_time, &s.probe_torque});
+  if (!steady_) return;
+  const Interval heard = tone_window(*steady_);
+  constexpr double k_most_rows = 1 << 20;
+  const double rows = std::min(system.scenario.output.probe_rate * (heard.to - heard.from) + 2.0, k_most_rows);
+  for (std::vector<double>* values : {&measures_.tone_time, &measures_.left_torque})
+    values->reserve(static_cast<std::size_t>(std::max(0.0, rows)));
 }
 
 void RunRecorder::begin(const Snapshot& now) {
@@ -55,32 +48,38 @@ void RunRecorder::record(const Snapshot& previous, const Snapshot& now, const St
                                    static_cast<double>(stepper.last_limit())};
   writer_.append(static_cast<std::size_t>(RunTable::steps), step);
   sum_steps(stepper);
-  watch_rubber(system_, now.state, now.work, stepper.last_step(), series_.rubber);
+  watch_rubber(system_, now.state, now.work, stepper.last_step(), measures_.rubber);
   for (const double offset : now.work.lateral_guide_offset)
-    series_.largest_guide_offset = std::max(series_.largest_guide_offset, offset);
+    measures_.largest_guide_offset = std::max(measures_.largest_guide_offset, offset);
 }
 
 void RunRecorder::sample(const Snapshot& previous, const Snapshot& now) {
-  if (probes_.write(previous, now)) {
-    series_.probe_time.push_back(now.state.time);
-    series_.probe_torque.push_back(now.work.chassis.joint_torque[system_.sprocket_body[0]]);
+  if (probes_.write(previous, now) && steady_ && tone_window(*steady_).holds(now.state.time)) {
+    measures_.tone_time.push_back(now.state.time);
+    measures_.left_torque.push_back(now.work.chassis.joint_torque[system_.sprocket_body[0]]);
   }
-  if (!samples_.write(previous, now)) return;
+  if (samples_.write(previous, now)) measure(now);
+}
+
+/// One sample's part in the results.
+void RunRecorder::measure(const Snapshot& now) {
+  RunMeasures& m = measures_;
   const Matrix3d& R_WV = now.work.chassis.base_rotation;
   const Vector3d origin = now.state.chassis.position - R_WV * system_.chassis_center_V;
-  series_.time.push_back(now.state.time);
-  series_.x.push_back(origin.x());
-  series_.y.push_back(origin.y());
-  const double yaw = std::atan2(R_WV(1, 0), R_WV(0, 0));
-  series_.yaw.push_back(
-      series_.yaw.empty() ? yaw : series_.yaw.back() + std::remainder(yaw - series_.yaw.back(), 2.0 * k_pi));
-  series_.speed.push_back(R_WV.col(0).dot(now.state.chassis.velocity));
-  series_.yaw_rate.push_back(now.work.chassis.base_angular_velocity_W.z());
-  double ground = 0.0;
-  for (const double f : vertical_ground_force(now.work)) ground += f;
-  series_.ground_force.push_back(ground);
-  for (std::size_t c = 0; c < k_num_contact_cases; ++c)
-    series_.case_total[c] += static_cast<double>(now.work.case_count[c]);
+  const double yaw = std::atan2(R_WV(1, 0), R_WV(0, 0)), speed = R_WV.col(0).dot(now.state.chassis.velocity);
+  const double turns = m.samples > 0 ? m.last.yaw + std::remainder(yaw - m.last.yaw, 2.0 * k_pi) : yaw;
+  m.last = {origin.x(), origin.y(), turns, speed};
+  if (m.samples == 0) {
+    m.first = m.last;
+    for (const double f : vertical_ground_force(now.work)) m.rest_ground_force += f;
+  }
+  ++m.samples;
+  m.largest_aside = std::max(m.largest_aside, std::abs(m.last.y - m.first.y));
+  m.largest_way = std::max(m.largest_way, std::hypot(m.last.x - m.first.x, m.last.y - m.first.y));
+  const double time = now.state.time;
+  if (steady_ && straight_window(*steady_).holds(time)) m.straight_speed.add(speed);
+  if (steady_ && turn_window(*steady_).holds(time)) m.turn_rate.add(now.work.chassis.base_angular_velocity_W.z());
+  for (std::size_t c = 0; c < k_num_contact_cases; ++c) m.case_total[c] += static_cast<double>(now.work.case_count[c]);
 }
 
 /// Steps at rest and at a held speed apart (the paper's Fig. 4).
@@ -89,8 +88,8 @@ void RunRecorder::sum_steps(const Stepper& stepper) {
   double rate = 0.0;
   for (const int sprocket : system_.sprocket_body)
     rate = std::max(rate, std::abs(stepper.state().chassis.rate[sprocket]));
-  if (rate <= k_still_share * largest_rate_) series_.rest_steps.add(h, stepper.last_limit());
-  if (steady_ && t > steady_->from && t <= steady_->to) series_.steady_steps.add(h, stepper.last_limit());
+  if (rate <= k_still_share * largest_rate_) measures_.rest_steps.add(h, stepper.last_limit());
+  if (steady_ && t > steady_->from && t <= steady_->to) measures_.steady_steps.add(h, stepper.last_limit());
 }
 
 }  // namespace grouser

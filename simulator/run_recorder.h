@@ -9,7 +9,7 @@
 
 namespace grouser {
 
-/// Writes a run's channels to run.h5 and keeps the series that its results are made of.
+/// Writes a run's channels to run.h5 and keeps what its results are made of.
 class RunRecorder {
  public:
   /// kept_rows: rows of run.h5 to keep, by table; empty for a run from its beginning.
@@ -29,24 +29,24 @@ class RunRecorder {
   void sync(std::function<void()> then) { writer_.sync(std::move(then)); }
   void close() { writer_.close(); }
 
-  [[nodiscard]] const RunSeries& series() const { return series_; }
+  [[nodiscard]] const RunMeasures& measures() const { return measures_; }
 
   /// Its memory, for a checkpoint.
   template <typename Archive>
   void archive(Archive& a) {
-    a(samples_, probes_, series_);
+    a(samples_, probes_, measures_);
   }
 
  private:
   void sample(const Snapshot& previous, const Snapshot& now);
   void sum_steps(const Stepper& stepper);
-  void reserve_series();
+  void measure(const Snapshot& now);
 
   const System& system_;
   ChannelRows rows_;
   RunWriter writer_;
   Sampler samples_, probes_;
-  RunSeries series_;
+  RunMeasures measures_;
   std::optional<Interval> steady_;
   double largest_rate_ = 0.0;  // rad/s, asked of any sprocket
   bool chunk_filled_ = false;

@@ -188,8 +188,8 @@ int ToothCounter::link(const System& system) const {
 
 TrackWatch::TrackWatch(const System& system, const State& rest)
     : system_(system),
-      tracks_{OneTrack{ToothCounter(system, rest, Side::left), 0.0, {}},
-              OneTrack{ToothCounter(system, rest, Side::right), 0.0, {}}} {
+      tracks_{OneTrack{ToothCounter(system, rest, Side::left), 0.0, {}, {}},
+              OneTrack{ToothCounter(system, rest, Side::right), 0.0, {}, {}}} {
   for (const Side side : {Side::left, Side::right}) {
     tracks_[static_cast<std::size_t>(index_of(side))].length_at_rest = way_round(system, rest, side);
   }
@@ -211,18 +211,27 @@ std::optional<std::string> TrackWatch::update(const Stepper& stepper) {
 
 void TrackWatch::note_slack(const Stepper& stepper, Side side) {
   OneTrack& track = tracks_[static_cast<std::size_t>(index_of(side))];
-  if (track.slack.time >= 0.0) return;
   const SpanTension span = sprocket_span_tension(system_, stepper.state(), stepper.work(), side);
   if (span.joints == 0 || span.mean > 0.0) return;
-  track.slack = {stepper.state().time, track.length_at_rest - way_round(system_, stepper.state(), side)};
+  const SlackSpan now{stepper.state().time, track.length_at_rest - way_round(system_, stepper.state(), side)};
+  if (track.slack.time < 0.0) track.slack = now;
+  if (!lately_slack(side)) track.spell.begun = now;
+  track.spell.last_teeth = track.counter.teeth();
+}
+
+bool TrackWatch::lately_slack(Side side) const {
+  const auto& [begun, last_teeth] = at(side).spell;
+  const int teeth = system_.tracks[static_cast<std::size_t>(index_of(side))].sprocket.teeth;
+  return begun.time >= 0.0 && std::abs(at(side).counter.teeth() - last_teeth) <= 0.5 * teeth;
 }
 
 std::string TrackWatch::slack_story(Side side) const {
-  const SlackSpan& slack = at(side).slack;
-  return fmt::format(
-      "the span between its sprocket and the next road wheel first went slack at {:.4f} s, when the "
-      "idler had given way by {:.1f} mm of track",
-      slack.time, 1e3 * slack.given_way);
+  const SlackSpan& begun = at(side).spell.begun;
+  std::string text =
+      fmt::format("the span between its sprocket and the next road wheel went slack at {:.4f} s", begun.time);
+  if (begun.given_way > 0.0)
+    text += fmt::format(", when the idler had given way by {:.1f} mm of track", 1e3 * begun.given_way);
+  return text + "; a stiffer tensioner, more pre-tension or a gentler change of speed would hold it";
 }
 
 std::string TrackWatch::skipped(const Stepper& stepper, Side side) const {
@@ -231,14 +240,12 @@ std::string TrackWatch::skipped(const Stepper& stepper, Side side) const {
       "{} track skipped a tooth at {:.4f} s, {} on the sprocket: {:.2f} links passed it for {:.2f} teeth turned; ",
       name_of(side), stepper.state().time, link_name(system_, counter.link(system_)),
       counter.teeth() + counter.skipped(), counter.teeth());
-  if (at(side).slack.time >= 0.0) {
-    text += slack_story(side) + " (a stiffer tensioner or more pre-tension would hold it)";
-  } else {
-    const SpanTension span = sprocket_span_tension(system_, stepper.state(), stepper.work(), side);
-    text += fmt::format("with {:.1f} kN in its free span the pins climb the flanks (flank angle, friction, worn teeth)",
-                        1e-3 * span.mean);
-  }
-  return text;
+  if (lately_slack(side)) return text + slack_story(side);
+  const SpanTension span = sprocket_span_tension(system_, stepper.state(), stepper.work(), side);
+  return text + fmt::format(
+                    "with {:.1f} kN in its free span the pins climb the flanks; steeper flanks, more friction on them "
+                    "or less sprocket torque would hold it",
+                    1e-3 * span.mean);
 }
 
 std::string TrackWatch::thrown(const Stepper& stepper, Side side) const {
@@ -252,10 +259,10 @@ std::string TrackWatch::thrown(const Stepper& stepper, Side side) const {
       "mm of play; ",
       name_of(side), stepper.state().time, link_name(system_, worst.link), 1e3 * worst.offset,
       part_name(system_, {-1, worst.wheel}), 1e3 * worst.play);
-  if (at(side).slack.time >= 0.0) return text + slack_story(side);
+  if (lately_slack(side)) return text + slack_story(side);
   return text + fmt::format(
-                    "the guide holds it with {:.1f} kN and gives way, with {:.1f} kN in the joint (guide "
-                    "stiffness and height, pre-tension, steering)",
+                    "the guide holds it with {:.1f} kN and gives way, with {:.1f} kN in the joint; a stiffer or higher "
+                    "guide, more pre-tension or a wider turn would hold it",
                     1e-3 * held, 1e-3 * work.bushing_force[0][worst.link]);
 }
 

@@ -58,6 +58,13 @@ struct SlackSpan {
   double given_way = 0.0;  ///< m, the way round the running gear is shorter by this than at rest
 };
 
+/// The last time that it carried nothing: from here on, until the sprocket had turned by half its teeth without. What
+/// stands on the sprocket ran up while it lasted.
+struct SlackSpell {
+  SlackSpan begun;
+  double last_teeth = 0.0;  ///< turned by the sprocket, when it was last seen slack
+};
+
 /// Ends a run whose track leaves its guide or skips a tooth, and remembers what led to it.
 class TrackWatch {
  public:
@@ -72,17 +79,20 @@ class TrackWatch {
   template <typename Archive>
   void archive(Archive& a) {
     a(steps_);
-    for (OneTrack& track : tracks_) a(track.counter, track.slack);
+    for (OneTrack& track : tracks_) a(track.counter, track.slack, track.spell);
   }
 
  private:
   struct OneTrack {
     ToothCounter counter;
     double length_at_rest = 0.0;  ///< m, of the way round the running gear with the idler where it stood
-    SlackSpan slack;
+    SlackSpan slack;              ///< the first
+    SlackSpell spell;
   };
   [[nodiscard]] const OneTrack& at(Side side) const { return tracks_[static_cast<std::size_t>(index_of(side))]; }
   void note_slack(const Stepper& stepper, Side side);
+  /// The last spell was half a turn of the sprocket ago at most.
+  [[nodiscard]] bool lately_slack(Side side) const;
   [[nodiscard]] std::string slack_story(Side side) const;
   [[nodiscard]] std::string thrown(const Stepper& stepper, Side side) const;
   [[nodiscard]] std::string skipped(const Stepper& stepper, Side side) const;

@@ -78,25 +78,26 @@ TEST(Run, ATrackThatLeavesItsGuideEndsTheRunWithWhereAndWhen) {
 }
 
 TEST(Run, ASkippedToothEndsTheRunWithWhatLedToIt) {
-  // P 4: at 50 kN a tensioner of 1e6 N/m lets the idler give way when the vehicle brakes; the slack gathers at the
-  // sprocket, pins climb the teeth.
+  // P 4: at 50 kN on a tensioner of 1e6 N/m the slack gathers at the sprocket when the vehicle brakes, and pins climb
+  // the teeth. The short brake before, at 0.6 s, leaves the span slack too; a turn later that has
+  // no part in it.
   const TemporaryFolder folder;
-  std::map<std::string, std::string> set{{"duration_s", "2.2"}, {"assembly.settle_time_s", "6"}};
+  std::map<std::string, std::string> set{{"duration_s", "2.75"}, {"assembly.settle_time_s", "6"}};
   for (const char* side : {"left", "right"}) {
-    set["drive." + std::string(side) + ".time_s"] = "[0, 1.5, 2.2]";
-    set["drive." + std::string(side) + ".speed_rad_per_s"] = "[0, 12, 0]";
+    set["drive." + std::string(side) + ".time_s"] = "[0, 0.6, 0.75, 2.0, 2.75]";
+    set["drive." + std::string(side) + ".speed_rad_per_s"] = "[0, 4.8, 1.8, 13.5, 0.5]";
   }
   set_both(set, "/idler/tensioner/stiffness_N_per_m", "1e6");
   set_both(set, "/track/pre_tension_kN", "50");
   const RunSummary summary = simulate(short_run(folder, "run_a.json", std::move(set)), folder / "run");
   EXPECT_EQ(summary.status, RunStatus::failed);
-  EXPECT_THAT(summary.message, testing::HasSubstr("left track skipped a tooth at 2.0"));
-  EXPECT_THAT(summary.message, testing::HasSubstr("first went slack at 1.6"));
-  EXPECT_THAT(summary.message, testing::ContainsRegex("the idler had given way by 2[0-9]\\.[0-9] mm of track"));
+  EXPECT_THAT(summary.message, testing::HasSubstr("left track skipped a tooth at 2.6"));
+  EXPECT_THAT(summary.message, testing::HasSubstr("went slack at 2.0"));
+  EXPECT_THAT(summary.message, testing::HasSubstr("a stiffer tensioner, more pre-tension"));
   const auto slack = std::find_if(summary.results.begin(), summary.results.end(),
                                   [](const RunResult& r) { return r.name == "left_first_slack_time_s"; });
   ASSERT_NE(slack, summary.results.end());
-  EXPECT_LT(slack->value, summary.simulated_time - 0.2);  // s: the warning comes well before the tooth
+  EXPECT_NEAR(slack->value, 0.68, 0.05);  // s
 }
 
 TEST(Run, ChatterEndsTheRunWithTheAccountThatGrowsAndThePartThatBoundsTheStep) {
@@ -116,7 +117,8 @@ TEST(Run, ChatterEndsTheRunWithTheAccountThatGrowsAndThePartThatBoundsTheStep) {
     EXPECT_THAT(summary.message, testing::HasSubstr(" % of all losses"));
     EXPECT_THAT(summary.message,
                 testing::ContainsRegex("% of the steps are bounded by links [a-z ]+, most often link"));
-    EXPECT_THAT(summary.message, testing::ContainsRegex("integrator.fixed_step is [12]\\.[0-9]+ times the bound"));
+    EXPECT_THAT(summary.message,
+                testing::ContainsRegex("integrator.fixed_step, which is [12]\\.[0-9]+ times the bound"));
     EXPECT_LT(summary.simulated_time, 0.3);
   }
 }
