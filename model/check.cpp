@@ -79,10 +79,12 @@ std::string format_of(const std::filesystem::path& file) {
   Findings findings(file.string());
   const Json document = parse_json(read_whole(file), findings);
   if (document.is_null()) findings.throw_if_any();
-  const bool has = document.is_object() && document.contains("format") && document["format"].is_string();
-  if (has) return document["format"].get<std::string>();
-  throw InputError(InputFinding{file.string(), "", "the key format, as in \"format\": \"grouser.vehicle/1\"",
-                                document.is_object() ? "no such key" : shown(document), ""});
+  const char* const expected = "the key format, as in \"format\": \"grouser.vehicle/1\"";
+  if (!document.is_object()) throw InputError(InputFinding{file.string(), "", expected, shown(document), ""});
+  const auto format = document.find("format");
+  if (format == document.end()) throw InputError(InputFinding{file.string(), "", expected, "no such key", ""});
+  if (format->is_string()) return format->get<std::string>();
+  throw InputError(InputFinding{file.string(), "/format", "a text, as in \"grouser.vehicle/1\"", shown(*format), ""});
 }
 
 }  // namespace

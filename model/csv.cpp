@@ -100,9 +100,7 @@ CsvReader::CsvReader(std::istream& in, Findings& findings) : findings_(findings)
                   first_lines_.empty() ? "an empty file" : "only lines that are remarks");
   } else {
     head_ = find_csv_head(first_lines_, findings_);
-    if (head_.names.size() <= k_most_columns) return;
-    findings_.add(place_of_names(), "at most " + std::to_string(k_most_columns) + " columns",
-                  std::to_string(head_.names.size()));
+    check_names();
   }
 }
 
@@ -113,9 +111,17 @@ void CsvReader::report_long_line() {
 
 std::string CsvReader::place_of_names() const { return row_place(head_.row); }
 
-bool CsvReader::names_are_usable() {
+void CsvReader::check_names() {
   const std::vector<std::string>& names = head_.names;
-  const std::size_t before = findings_.size();
+  if (names.size() > k_most_columns) {
+    findings_.add(place_of_names(), "at most " + std::to_string(k_most_columns) + " columns",
+                  std::to_string(names.size()));
+    return;
+  }
+  if (number_in(names.front())) {
+    findings_.add(place_of_names(), "names of columns, with units", "numbers");
+    return;
+  }
   for (auto name = names.begin(); name != names.end(); ++name) {
     if (name->empty()) {
       findings_.add(place_of_names() + ", column " + std::to_string(name - names.begin() + 1), "a column name",
@@ -124,12 +130,10 @@ bool CsvReader::names_are_usable() {
       findings_.add(place_of_names(), "each column name once", *name + " twice");
     }
   }
-  if (number_in(names.front())) findings_.add(place_of_names(), "names of columns, with units", "numbers");
-  return findings_.size() == before;
 }
 
 std::vector<CsvColumn> CsvReader::read(const std::vector<std::string>& wanted, Missing missing) {
-  if (head_.names.empty() || !names_are_usable()) return {};
+  if (head_.names.empty()) return {};
   Table table(head_, wanted, missing, findings_);
   const std::size_t before = findings_.size();
   const auto read_row = [&](std::string_view line, std::size_t row) {

@@ -21,7 +21,8 @@ struct CsvColumn {
 /// Reads a table of any length in pieces: memory holds the wanted columns and one piece (CsvLines::k_piece).
 class CsvReader {
  public:
-  /// Reads the names of the columns; a finding says why there are none. `in` and `findings` must outlive this.
+  /// Reads the names of the columns; a finding says why there are none, or none that can be used. `in` and `findings`
+  /// must outlive this.
   CsvReader(std::istream& in, Findings& findings);
 
   /// Column names with their units, in file order; empty for a file without any line.
@@ -40,7 +41,7 @@ class CsvReader {
   [[nodiscard]] std::string sha256() { return lines_.sha256(); }
 
  private:
-  [[nodiscard]] bool names_are_usable();
+  void check_names();
   void report_long_line();
 
   Findings& findings_;

@@ -99,8 +99,8 @@ struct ColumnUnit {
 };
 
 /// Units that a row gives to the columns; empty when the row is none: no field is a number, and of those that say
-/// something outside brackets at least half are known units.
-std::vector<ColumnUnit> units_in(const std::string& row, char divider, std::size_t columns) {
+/// something outside brackets at least half are known units, or it stands where a row of units does.
+std::vector<ColumnUnit> units_in(const std::string& row, char divider, std::size_t columns, bool in_its_place) {
   std::vector<std::string> fields = fields_of(row, divider);
   if (fields.size() == columns + 1 && fields.back().empty()) fields.pop_back();
   if (fields.size() != columns) return {};
@@ -117,7 +117,7 @@ std::vector<ColumnUnit> units_in(const std::string& row, char divider, std::size
       unknown += bracketed ? 0 : 1;
     }
   }
-  return known > 0 && known >= unknown ? units : std::vector<ColumnUnit>{};
+  return in_its_place || (known > 0 && known >= unknown) ? units : std::vector<ColumnUnit>{};
 }
 
 bool has_unit(const std::string& name) { return split_name_and_unit(name).has_value(); }
@@ -151,7 +151,10 @@ class HeadFinder {
     head.first = i + 1;
     if (head.first == lines_.size()) return head;
     const CsvHeadLine& below = lines_[head.first];
-    const std::vector<ColumnUnit> units = units_in(below.text, head.divider, head.names.size());
+    // Between names without any unit and numbers, so that units which nobody knows are at least told.
+    const bool in_its_place = std::none_of(head.names.begin(), head.names.end(), has_unit) &&
+                              numbers_at(head.first + 1, head.divider, head.names.size());
+    const std::vector<ColumnUnit> units = units_in(below.text, head.divider, head.names.size(), in_its_place);
     if (units.empty()) return head;
     ++head.first;
     for (std::size_t k = 0; k < units.size(); ++k) {
@@ -168,6 +171,15 @@ class HeadFinder {
   }
 
  private:
+  [[nodiscard]] bool numbers_at(std::size_t i, char divider, std::size_t columns) const {
+    if (i >= lines_.size() || lines_[i].remark) return false;
+    std::vector<std::string> fields = fields_of(lines_[i].text, divider);
+    fields.resize(std::min(fields.size(), columns));
+    return fields.size() == columns && std::all_of(fields.begin(), fields.end(), [](const std::string& field) {
+             return number_in(field).has_value();
+           });
+  }
+
   /// Columns with a unit, and the first row below has a number in each of them.
   [[nodiscard]] bool numbers_fit(const CsvHead& head) const {
     std::size_t row = head.first;

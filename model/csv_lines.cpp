@@ -16,14 +16,22 @@ std::size_t size_of(std::istream& in) {
   return end > here && here >= 0 ? static_cast<std::size_t>(end - here) : 0;
 }
 
+/// A small text needs a small piece.
+std::size_t piece_for(std::size_t total) {
+  constexpr std::size_t k_least = 1u << 16;
+  return total == 0 ? CsvLines::k_piece : std::clamp(total + 1, k_least, CsvLines::k_piece);
+}
+
 }  // namespace
 
-CsvLines::CsvLines(std::istream& in) : in_(in), piece_(k_piece, '\0'), total_(size_of(in)) {
+CsvLines::CsvLines(std::istream& in) : in_(in), total_(size_of(in)) {
+  piece_.resize(piece_for(total_));
   fill();
   const std::string_view start(piece_.data(), end_);
-  if (start.starts_with("\xFF\xFE") || start.starts_with("\xFE\xFF")) {
+  const std::size_t zero = start.find('\0');
+  if (start.starts_with("\xFF\xFE") || start.starts_with("\xFE\xFF") || zero < 2) {
     other_content_ = "UTF-16";
-  } else if (start.find('\0') != std::string_view::npos) {
+  } else if (zero != std::string_view::npos) {
     other_content_ = "binary data";
   }
   if (start.starts_with("\xEF\xBB\xBF")) begin_ = 3;

@@ -2,22 +2,10 @@
 
 #include <algorithm>
 
+#include "model/utf8.h"
+
 namespace grouser {
 namespace {
-
-/// Bytes of the UTF-8 character at `at`; 0 where none begins there (Unicode 15, table 3-7).
-std::size_t utf8_length(std::string_view text, std::size_t at) {
-  const auto byte = [&](std::size_t i) { return at + i < text.size() ? static_cast<unsigned char>(text[at + i]) : 0U; };
-  const unsigned first = byte(0), second = byte(1);
-  if (first < 0x80) return 1;
-  if (first < 0xC2 || first > 0xF4 || (second & 0xC0) != 0x80) return 0;
-  const bool overlong = (first == 0xE0 && second < 0xA0) || (first == 0xF0 && second < 0x90);
-  const bool beyond = (first == 0xED && second > 0x9F) || (first == 0xF4 && second > 0x8F);
-  const std::size_t length = first < 0xE0 ? 2 : first < 0xF0 ? 3 : 4;
-  for (std::size_t i = 2; i < length; ++i)
-    if ((byte(i) & 0xC0) != 0x80) return 0;
-  return overlong || beyond ? 0 : length;
-}
 
 /// Characters that move a terminal's cursor or colour what follows: C0, DEL and C1.
 bool is_control(std::string_view character) {

@@ -27,7 +27,7 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
 
 std::string nearest_word(const std::string& word, const std::vector<std::string>& candidates) {
   std::string nearest;
-  std::size_t smallest = (word.size() + 2) / 3 + 1;
+  std::size_t smallest = std::min((word.size() + 2) / 3 + 1, word.size());  // not every letter may be another
   for (const std::string& candidate : candidates) {
     const std::size_t longer = std::max(word.size(), candidate.size()),
                       shorter = std::min(word.size(), candidate.size());

@@ -162,6 +162,10 @@ TestFit read_test_fit(ObjectReader& r) {
     test.curve.displacement = numbers_or_nulls(c, "displacement_" + keys.displacement);
     if (!test.prediction) test.curve.force = numbers_or_nulls(c, "force_" + keys.force);
     test.curve.fitted = numbers_or_nulls(c, "fitted_" + keys.force);
+    const std::size_t size = test.curve.displacement.size();
+    if (test.curve.fitted.size() != size || (!test.prediction && test.curve.force.size() != size)) {
+      c.report("", "arrays of one length", "different lengths");
+    }
   });
   return test;
 }

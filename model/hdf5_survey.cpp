@@ -20,7 +20,9 @@ namespace {
 
 constexpr hsize_t k_most_objects = 100'000, k_most_chunk_bytes = 64u << 20, k_most_texts = 1'000'000;
 constexpr hsize_t k_most_deflated = 1032;  // times; what zlib can make of a byte
-constexpr rlim_t k_most_memory = rlim_t{1} << 30, k_most_seconds = 60;
+constexpr rlim_t k_most_memory = rlim_t{1} << 30;
+constexpr std::uintmax_t k_least_seconds = 10,
+                         k_bytes_a_second = 50u << 20;  // of the processor: packed values are read once
 
 /// What the visits of one file find.
 struct Survey {
@@ -154,8 +156,8 @@ void survey_dataset(hid_t set, std::string& fault) {
   if (fault.empty() && chunk > 0 && H5Dget_num_chunks(set, space.id(), &chunks) < 0)
     fault = "has an index that cannot be read";
   const hsize_t stored = H5Dget_storage_size(set);
-  if (count / (deflated ? k_most_deflated : 1) > stored / value_size ||
-      (chunk > 0 && count > chunks * (chunk / value_size))) {
+  if (fault.empty() && (count / (deflated ? k_most_deflated : 1) > stored / value_size ||
+                        (chunk > 0 && count > chunks * (chunk / value_size)))) {
     fault = "claims " + std::to_string(count) + " values, of which " + std::to_string(stored) + " bytes are stored";
   }
   if (!fault.empty()) return;
@@ -192,19 +194,22 @@ std::string fault_of(const std::filesystem::path& path) {
 }
 
 /// May crash, at no cost to the program.
-void prepare_for_the_worst() {
+void prepare_for_the_worst(const std::filesystem::path& file) {
   for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
   std::size_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
   const auto now = static_cast<rlim_t>(pages) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
-  const rlimit memory{now + k_most_memory, now + k_most_memory}, time{k_most_seconds, k_most_seconds}, none{0, 0};
+  std::error_code unknown;
+  const std::uintmax_t size = std::filesystem::file_size(file, unknown);
+  const rlim_t seconds = k_least_seconds + (unknown ? 0 : size / k_bytes_a_second);
+  const rlimit memory{now + k_most_memory, now + k_most_memory}, time{seconds, seconds}, none{0, 0};
   setrlimit(RLIMIT_AS, &memory);
   setrlimit(RLIMIT_CPU, &time);
   setrlimit(RLIMIT_CORE, &none);
 }
 
 [[noreturn]] void survey_as_child(const std::filesystem::path& file, int to_parent) {
-  prepare_for_the_worst();
+  prepare_for_the_worst(file);
   std::string fault;
   try {
     fault = fault_of(file);

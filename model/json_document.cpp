@@ -25,7 +25,9 @@ const char* other_content(std::string_view text) {
                                                                              {"\x89PNG"sv, "a picture"}}};
   for (const auto& [mark, name] : k_marks)
     if (text.starts_with(mark)) return name;
-  return text.find('\0') == std::string_view::npos ? nullptr : "bytes that are no text";
+  const std::size_t zero = text.find('\0');
+  if (zero == std::string_view::npos) return nullptr;
+  return zero < 2 ? "text in UTF-16" : "bytes that are no text";
 }
 
 /// Builds the document and knows where it is.
@@ -62,8 +64,12 @@ class Builder : public nlohmann::json_sax<Json> {
     const std::size_t column = newline == std::string::npos ? at + 1 : at - newline;
     const bool overflow = dynamic_cast<const Json::out_of_range*>(&error) != nullptr;
     const bool ended = at >= text_.size();
-    findings_.add("line " + std::to_string(line) + ", column " + std::to_string(column),
-                  overflow ? "a number that a double can hold" : "valid JSON",
+    const std::string place = "line " + std::to_string(line) + ", column " + std::to_string(column);
+    if (std::string_view(error.what()).find("ill-formed UTF-8") != std::string_view::npos) {
+      findings_.add(place, "text in UTF-8", end_of(last_token), "save the file in that encoding");
+      return false;
+    }
+    findings_.add(place, overflow ? "a number that a double can hold" : "valid JSON",
                   ended ? "the end of the file" : end_of(last_token), overflow ? "" : reason(error.what()));
     return false;
   }
@@ -82,9 +88,13 @@ class Builder : public nlohmann::json_sax<Json> {
     return false;
   }
 
-  /// A token may be a text of any length; what is wrong with it stands at its end.
-  static std::string end_of(const std::string& token) {
+  /// The lexer hands over what it read since the last token, of any length; what is wrong stands at its end.
+  static std::string end_of(std::string token) {
+    constexpr std::string_view k_newline = "<U+000A>";
     constexpr std::size_t k_most = 60;
+    const std::size_t line = token.rfind(k_newline);
+    if (line != std::string::npos && line + k_newline.size() < token.size()) token.erase(0, line + k_newline.size());
+    token.erase(0, std::min(token.find_first_not_of(' '), token.size()));
     return token.size() <= k_most ? token : "..." + token.substr(token.size() - k_most);
   }
 
@@ -145,7 +155,8 @@ bool is_plain(const Json& value) { return !value.is_structured(); }
 void print(const Json& value, std::size_t indent, std::string& out) {
   const bool on_one_line = value.is_array() && std::all_of(value.begin(), value.end(), is_plain);
   if (is_plain(value) || value.empty()) {
-    out += value.dump();
+    // Names of files may hold any bytes.
+    out += value.dump(-1, ' ', false, Json::error_handler_t::replace);
     return;
   }
   const std::string margin = on_one_line ? "" : "\n" + std::string(indent + 2, ' ');
@@ -155,7 +166,7 @@ void print(const Json& value, std::size_t indent, std::string& out) {
     if (!first) out += on_one_line ? ", " : ",";
     first = false;
     out += margin;
-    if (value.is_object()) out += Json(item.key()).dump() + ": ";
+    if (value.is_object()) out += Json(item.key()).dump(-1, ' ', false, Json::error_handler_t::replace) + ": ";
     print(item.value(), indent + 2, out);
   }
   if (!on_one_line) out += "\n" + std::string(indent, ' ');

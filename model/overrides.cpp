@@ -4,6 +4,7 @@
 #include <charconv>
 
 #include "model/units.h"
+#include "model/utf8.h"
 
 namespace grouser {
 namespace {
@@ -53,6 +54,7 @@ void remove_same_quantity(Json& object, const std::string& key) {
 
 void apply_override(Json& document, const std::string& path, const std::string& value, Findings& findings) {
   if (path.empty()) return findings.add("--set", "path=value", "=" + value);
+  if (!is_utf8(path) || !is_utf8(value)) return findings.add("--set", "text in UTF-8", path + "=" + value);
   const std::vector<std::string> steps = steps_of(path);
   Json* here = &document;
   std::string pointer;

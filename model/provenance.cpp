@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "model/errors.h"
+#include "model/input_file.h"
 #include "model/sha256.h"
 
 namespace grouser {
@@ -81,9 +82,13 @@ void write_whole(const std::filesystem::path& file, std::string_view bytes) {
   if (directory.number() >= 0) ::fsync(directory.number());
 }
 
+constexpr std::uintmax_t k_most_bytes = 1u << 30;  // of a file that is held as a whole; films are the largest
+
 std::string read_whole(const std::filesystem::path& file) {
   std::error_code code;
-  if (std::filesystem::is_directory(file, code)) throw FileError("cannot read " + file.string() + ": is a folder");
+  require_plain_file(file);
+  const std::uintmax_t size = std::filesystem::file_size(file, code);
+  if (!code && size > k_most_bytes) throw FileError("cannot read " + file.string() + ": is larger than 1 GB");
   std::ifstream stream(file, std::ios::binary);
   if (!stream) fail("read", file);
   std::ostringstream bytes;

@@ -119,6 +119,17 @@ class ColumnFinder {
     return of_family.empty() ? of_dimension : of_family;
   }
 
+  /// "force [kp]": the column of a family whose unit stands there and is not known; empty when there is none.
+  [[nodiscard]] std::string with_unknown_unit(const std::vector<std::string>& families) const {
+    for (const std::string& name : names_) {
+      const std::string bare = name.substr(0, name.find_first_of(" [("));
+      const auto is_of = [&](const std::string& family) { return is_member(bare, family); };
+      const bool bracketed = !name.empty() && (name.back() == ']' || name.back() == ')');
+      if (bracketed && std::any_of(families.begin(), families.end(), is_of)) return name;
+    }
+    return {};
+  }
+
   /// Empty where the file has no such column and rig.json names none.
   std::string find_optional(const std::string& named, const std::string& family, const Dimension& dimension) {
     if (named.empty() && candidates_for({family}, dimension).empty()) return {};
@@ -137,6 +148,11 @@ class ColumnFinder {
     if (!named.empty()) return checked(named, dimension);
     const std::vector<std::string> candidates = candidates_for(families, dimension);
     if (candidates.size() == 1) return checked(candidates.front(), dimension);
+    if (const std::string strange = with_unknown_unit(families); !strange.empty()) {
+      findings_.add(place_ + ", column " + strange,
+                    "a unit of " + name_of(dimension) + ", as in _" + usual_unit(dimension), "one that nobody knows");
+      return {};
+    }
     const std::string expected =
         "a column " + list_of(families, " or ", "_*") + " with a unit of " + name_of(dimension) + reason;
     if (candidates.empty()) {

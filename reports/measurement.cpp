@@ -12,6 +12,7 @@
 #include "model/findings.h"
 #include "model/input_file.h"
 #include "model/units.h"
+#include "model/utf8.h"
 
 namespace grouser {
 namespace {
@@ -32,21 +33,6 @@ std::string lower(std::string text) {
   for (char& c : text)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   return text;
-}
-
-bool is_utf8(const std::string& text) {
-  int expected = 0;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (expected > 0) {
-      if ((byte & 0xC0) != 0x80) return false;
-      --expected;
-    } else if (byte >= 0x80) {
-      if (byte < 0xC2 || byte > 0xF4) return false;
-      expected = byte < 0xE0 ? 1 : byte < 0xF0 ? 2 : 3;
-    }
-  }
-  return expected == 0;
 }
 
 /// For pages: names of older loggers are in Latin-1.

@@ -1,0 +1,76 @@
+#include "model/hdf5_survey.h"
+
+#include <gtest/gtest.h>
+#include <hdf5.h>
+
+#include "model/errors.h"
+#include "model/hdf5_handle.h"
+#include "tests/support/test_data.h"
+
+namespace grouser {
+namespace {
+
+/// A file with one dataset of the given type and rows, in chunks.
+std::filesystem::path file_with(const TemporaryFolder& folder, hid_t type, hsize_t rows, hsize_t chunk_rows) {
+  const std::filesystem::path path = folder / "run.h5";
+  const Hdf5Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
+  const Hdf5Handle space(H5Screate_simple(1, &rows, nullptr), H5Sclose);
+  const Hdf5Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_chunk(creation.id(), 1, &chunk_rows);
+  const Hdf5Handle set(H5Dcreate2(file.id(), "time", type, space.id(), H5P_DEFAULT, creation.id(), H5P_DEFAULT),
+                       H5Dclose);
+  const std::vector<double> values(rows < 1000 ? rows : 0, 1.0);
+  if (!values.empty()) H5Dwrite(set.id(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+  return path;
+}
+
+/// The words of the refusal behind the file's name; empty where there is none.
+std::string refusal_of(const std::filesystem::path& file) {
+  try {
+    survey_hdf5(file);
+  } catch (const FileError& error) {
+    const std::string text = error.what();
+    return text.substr(text.find(": ") + 2);
+  }
+  return "";
+}
+
+TEST(Hdf5Survey, LetsPlainNumbersThrough) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(refusal_of(file_with(folder, H5T_IEEE_F64LE, 100, 16)), "");
+}
+
+TEST(Hdf5Survey, RefusesRowsThatAreOnlyClaimed) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(refusal_of(file_with(folder, H5T_IEEE_F64LE, 1'000'000'000, 1024)),
+            "/time claims 1000000000 values, of which 0 bytes are stored");
+}
+
+TEST(Hdf5Survey, RefusesChunksThatNoRunHas) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(refusal_of(file_with(folder, H5T_IEEE_F64LE, 1'000'000'000, 100'000'000)), "/time has chunks above 64 MB");
+}
+
+TEST(Hdf5Survey, RefusesOtherTypes) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(refusal_of(file_with(folder, H5T_STD_I64LE, 100, 16)),
+            "/time holds neither 32- or 64-bit numbers nor texts");
+}
+
+TEST(Hdf5Survey, RefusesLinksIntoOtherFiles) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = file_with(folder, H5T_IEEE_F64LE, 100, 16);
+  {
+    const Hdf5Handle file(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
+    H5Lcreate_external("/etc/passwd", "/", file.id(), "other", H5P_DEFAULT, H5P_DEFAULT);
+  }
+  EXPECT_EQ(refusal_of(path), "/other is a link to another place");
+}
+
+TEST(Hdf5Survey, RefusesWhatIsNoHdf5) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(refusal_of(folder.write("run.h5", "text")), "not a readable HDF5 file");
+}
+
+}  // namespace
+}  // namespace grouser
