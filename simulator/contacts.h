@@ -52,7 +52,7 @@ inline void count_case(Workspace& work, ContactCase which, unsigned lanes) {
 }
 
 /// Blocks of a track, as bits, that may hold a link whose centre is within `radius` of `center` (W, the same in all
-/// lanes) seen from the side.
+/// lanes) seen from the side. A track of at most 504 links has a bit for each, and one left over.
 [[nodiscard]] std::uint64_t blocks_near(const CompiledTrack& track, const Workspace& work, const Lanes3& center,
                                         double radius);
 
