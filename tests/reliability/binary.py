@@ -3,7 +3,6 @@
 Read from the files with readelf and nm (binutils); run under confine.py, where the kernel ends a program at its first
 network call and at its first start of another program."""
 
-import glob
 import json
 import os
 import platform
@@ -34,10 +33,13 @@ def output_of(*arguments):
 
 
 def own_objects():
-    objects = glob.glob(os.path.join(BUILD, "cli/CMakeFiles/grouser.dir/**/*.o"), recursive=True)
-    for room in ROOMS:
-        objects += glob.glob(os.path.join(BUILD, room, f"CMakeFiles/grouser_{room}.dir/**/*.o"), recursive=True)
-    return objects
+    """The object files of cli/ and the libraries' folders, as the build has them."""
+    with open(os.path.join(BUILD, "compile_commands.json"), encoding="utf-8") as file:
+        commands = json.load(file)
+    own = tuple(os.path.join(target, "") for target in
+                ("cli/CMakeFiles/grouser.dir", *(f"{room}/CMakeFiles/grouser_{room}.dir" for room in ROOMS)))
+    outputs = [re.search(r" -o (\S+\.o)", command["command"])[1] for command in commands]
+    return [os.path.join(BUILD, output) for output in outputs if output.startswith(own)]
 
 
 def hardening(part):
