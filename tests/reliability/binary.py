@@ -13,6 +13,8 @@ import subprocess
 import sys
 import tempfile
 
+import h5py
+
 sys.path.insert(0, os.path.join(os.environ["GROUSER_SOURCE_DIR"], "tests", "pipeline"))
 from command import COMMAND, DATA, SHORT_RUN  # noqa: E402
 from part import main  # noqa: E402
@@ -177,6 +179,25 @@ def hostile_names(part, confined):
              f"{len(written)} files, all inside the output folder, of plain letters")
 
 
+def hostile_channels(part, confined):
+    """A run whose channels are called like paths and commands; export makes a file for each."""
+    names = ["..", "a\nb", "$(touch escaped)", "-o", "<b>", "~", "\u202egnp"]
+    shutil.copytree(os.path.join(confined.folder, "run"), os.path.join(confined.folder, "channels"))
+    with h5py.File(os.path.join(confined.folder, "channels/run.h5"), "r+") as file:
+        for name in names:
+            dataset = file.create_dataset(name, data=file["time"][()])
+            dataset.attrs["unit"] = "m"
+        expected = []
+        file.visititems(lambda name, item: expected.append(name) if isinstance(item, h5py.Dataset) else None)
+    before = tree(confined.folder)
+    confined.run("export", "channels", "--format", "csv", "-o", "inner/csv")
+    added = tree(confined.folder) - before
+    outside = {path for path in added if not path.startswith("inner")}
+    part.require(not outside, f"files outside the output folder: {sorted(outside)}")
+    part.require(len(added) == len(expected) + 2, f"{len(expected)} channels made {len(added) - 2} files")
+    part.row("channels called like paths or commands, exported", len(names), "all inside the output folder")
+
+
 def tree(folder):
     return {os.path.relpath(os.path.join(root, name), folder)
             for root, folders, files in os.walk(folder) for name in folders + files}
@@ -195,6 +216,7 @@ def work(part, thorough):
         confined = Confined(part, folder)
         pipeline(part, confined, thorough)
         hostile_names(part, confined)
+        hostile_channels(part, confined)
     finally:
         shutil.rmtree(folder)
 
