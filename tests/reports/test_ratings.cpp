@@ -31,6 +31,20 @@ double decaying(double t, double amplitude, double decay, double frequency) {
   return since < 0.0 ? 0.0 : amplitude * std::exp(-decay * since) * std::sin(2.0 * pi * frequency * since);
 }
 
+TEST(Ratings, AreTheSameToTheLastBitWhereverACurveLies) {
+  const auto noisy = [random = std::mt19937(7)](double) mutable { return 40.0 + std::normal_distribution()(random); };
+  const std::vector<double> reference = sampled(401, 1.0, noisy), other = sampled(401, 1.0, noisy);
+  const Ratings first = rate(reference, other, 1e-3);
+  std::vector<double> moved(reference.size() + 8);
+  for (std::size_t offset = 0; offset < 8; ++offset) {
+    std::copy(reference.begin(), reference.end(), moved.begin() + static_cast<std::ptrdiff_t>(offset));
+    const Ratings again = rate(std::span(moved).subspan(offset, reference.size()), other, 1e-3);
+    EXPECT_EQ(again.correlation, first.correlation) << offset;
+    EXPECT_EQ(again.rmse, first.rmse) << offset;
+    EXPECT_EQ(again.sprague_geers->phase, first.sprague_geers->phase) << offset;
+  }
+}
+
 TEST(Ratings, EqualCurvesAreAlikeInEveryMeasure) {
   const Ratings ratings = rate(sine(3.0, 0.4), sine(3.0, 0.4), 1e-3);
   EXPECT_DOUBLE_EQ(ratings.iso->overall(), 1.0);
