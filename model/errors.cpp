@@ -25,7 +25,7 @@ std::string text_of(const std::vector<InputFinding>& findings) {
 }  // namespace
 
 std::string printable(std::string_view text) {
-  constexpr std::size_t k_longest = 2000;
+  constexpr std::size_t k_longest = 1000;
   constexpr std::string_view k_digits = "0123456789abcdef";
   std::string printed;
   for (std::size_t at = 0; at < text.size();) {
@@ -46,12 +46,12 @@ std::string printable(std::string_view text) {
 }
 
 std::string InputFinding::text() const {
-  std::string text = file;
-  if (!place.empty()) text += (place.front() == '/' ? "#" : ": ") + place;
-  text += ": expected " + expected;
-  if (!found.empty()) text += ", found " + found;
-  if (!hint.empty()) text += " (" + hint + ")";
-  return printable(text);
+  std::string text = printable(file);
+  if (!place.empty()) text += (place.front() == '/' ? "#" : ": ") + printable(place);
+  text += ": expected " + printable(expected);
+  if (!found.empty()) text += ", found " + printable(found);
+  if (!hint.empty()) text += " (" + printable(hint) + ")";
+  return text;
 }
 
 InputError::InputError(std::vector<InputFinding> findings)

@@ -40,8 +40,12 @@ inline void silence_hdf5() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
 /// A run that was killed, or still runs, is marked as open for writing: such a file is opened as one with a writer.
 [[nodiscard]] inline Hdf5Handle open_hdf5(const std::filesystem::path& file) {
   Hdf5Handle opened(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-  if (!opened) opened = Hdf5Handle(H5Fopen(file.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, H5P_DEFAULT), H5Fclose);
-  return opened;
+  if (opened) return opened;
+  // HDF5 tries again where a checksum is wrong, for a writer may be at work, and waits twice as long each time: 20
+  // times are 1 ms, the 100 of its default never end.
+  const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_metadata_read_attempts(access.id(), 20);
+  return {H5Fopen(file.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, access.id()), H5Fclose};
 }
 
 /// Type of a text in memory: UTF-8 of any length.

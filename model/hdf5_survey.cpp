@@ -184,7 +184,7 @@ herr_t visit_object(hid_t file, const char* name, const H5O_info_t* info, void* 
 std::string fault_of(const std::filesystem::path& path) {
   silence_hdf5();
   const Hdf5Handle file = open_hdf5(path);
-  if (!file) return "not a readable HDF5 file";
+  if (!file) return "no HDF5 file, or one that is cut short or damaged";
   Survey survey{file.id(), 0, {}};
   const bool links = H5Lvisit(file.id(), H5_INDEX_NAME, H5_ITER_INC, visit_link, &survey) >= 0;
   const bool objects = links && survey.fault.empty() &&
@@ -195,7 +195,8 @@ std::string fault_of(const std::filesystem::path& path) {
 
 /// May crash, at no cost to the program.
 void prepare_for_the_worst(const std::filesystem::path& file) {
-  for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
+  for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGALRM, SIGINT, SIGTERM})
+    std::signal(signal, SIG_DFL);
   std::size_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
   const auto now = static_cast<rlim_t>(pages) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
@@ -206,6 +207,8 @@ void prepare_for_the_worst(const std::filesystem::path& file) {
   setrlimit(RLIMIT_AS, &memory);
   setrlimit(RLIMIT_CPU, &time);
   setrlimit(RLIMIT_CORE, &none);
+  constexpr rlim_t k_patience = 10;  // times the processor's time, on a busy machine; for what waits for ever
+  alarm(static_cast<unsigned>(k_patience * seconds));
 }
 
 [[noreturn]] void survey_as_child(const std::filesystem::path& file, int to_parent) {

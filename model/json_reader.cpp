@@ -363,7 +363,9 @@ std::string ObjectReader::suggestion(const std::string& key) const {
       if (suffix && suffix->dimension == *known.dimension) candidates.push_back(known.name + key.substr(at));
     }
   }
-  return nearest_word(key, candidates);
+  // Of a key that is there already the misspelt one is a second: an override, say.
+  const std::string missing = nearest_word(key, candidates);
+  return missing.empty() ? nearest_word(key, used_) : missing;
 }
 
 /// A required quantity that is there in the wrong form; returns whether a finding was made of it.

@@ -293,7 +293,7 @@ class ScenarioReader {
   }
 
   void check_probes() {
-    constexpr std::size_t k_most = 2000;  // every link of both tracks
+    constexpr std::size_t k_most = 1000;  // every link of both tracks
     if (scenario_.output.probes.size() > k_most) {
       findings_.add("/output/probes", "at most " + std::to_string(k_most) + " probe links",
                     std::to_string(scenario_.output.probes.size()));

@@ -69,7 +69,7 @@ TEST(Hdf5Survey, RefusesLinksIntoOtherFiles) {
 
 TEST(Hdf5Survey, RefusesWhatIsNoHdf5) {
   const TemporaryFolder folder;
-  EXPECT_EQ(refusal_of(folder.write("run.h5", "text")), "not a readable HDF5 file");
+  EXPECT_EQ(refusal_of(folder.write("run.h5", "text")), "no HDF5 file, or one that is cut short or damaged");
 }
 
 }  // namespace

@@ -1,0 +1,21 @@
+#pragma once
+#include <filesystem>
+#include <string_view>
+
+/// What hostile bytes are fed to: by libFuzzer (a program for each entry) and, input by input of tests/fuzz/corpus, by
+/// the ordinary tests. An entry returns when the input was read or refused as the program refuses it; everything else
+/// (a signal, another exception, a sanitizer's finding, a broken promise) is a fault of the program.
+namespace grouser::fuzz {
+
+/// A file of any kind that `grouser check` reads, by the reader of its format. Lines `#set path=value` before the
+/// document are overrides of a scenario.
+void json_entry(std::string_view input);
+/// A table: of a rig test, of a terrain profile, and with every column read.
+void csv_entry(std::string_view input);
+/// run.h5: every dataset with its columns.
+void hdf5_entry(std::string_view input);
+/// fit.json, replay.json or run.json of a folder over which a report is written. Throws std::logic_error when the page
+/// holds the corpus' canary, an element of no page.
+void report_entry(std::string_view input);
+
+}  // namespace grouser::fuzz

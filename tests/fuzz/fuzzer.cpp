@@ -1,0 +1,10 @@
+/// One of the programs fuzz_json, fuzz_csv, fuzz_hdf5 and fuzz_report: GROUSER_FUZZ_ENTRY names what it feeds.
+#include <cstddef>
+#include <cstdint>
+
+#include "tests/fuzz/entries.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  grouser::fuzz::GROUSER_FUZZ_ENTRY({reinterpret_cast<const char*>(data), size});
+  return 0;
+}
