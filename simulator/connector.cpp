@@ -6,10 +6,11 @@ namespace grouser {
 namespace {
 
 constexpr int k_size = 6;  // unknowns: translation, rotation, in W
-constexpr int k_most_corrections = 25;
+// One to three corrections do. A joint that goes to and fro over a corner of its rubber's law, where a stop begins to
+// slip, comes in by halves.
+constexpr int k_whole_corrections = 8, k_most_corrections = 40;
 constexpr double k_position_tolerance = 1e-8;  // m; 1 N of a bushing of 1e8 N/m
 constexpr double k_angle_tolerance = 1e-7;     // rad
-constexpr double k_lost = 1e3;                 // tolerances off after the last correction: no equilibrium
 
 using Six = std::array<Lanes, k_size>;
 
@@ -171,8 +172,10 @@ BodyLanes connectors_in_line(const CompiledTrack& track, const BodyLanes& link, 
   // The turn about the half-way y axis that brings x into line with the bores.
   const Lanes3 line = next_bore - bore;
   const Lanes along = dot(connector.x, line), above = dot(connector.z, line);
-  const Lanes length = (along * along + above * above).sqrt();
-  const Lanes cos_half = (0.5 * (1.0 + along / length)).sqrt();
+  // The floors change no joint that is one: they keep lanes behind a track's last joint, all zeros, free of 0 / 0.
+  constexpr double k_least_length = 1e-9 /* m */, k_least_cosine = 1e-9;
+  const Lanes length = (along * along + above * above).sqrt().max(k_least_length);
+  const Lanes cos_half = (0.5 * (1.0 + along / length)).sqrt().max(k_least_cosine);
   const Lanes sin_half = -0.5 * above / (length * cos_half);
   set_orientation(product(connector.orientation, {cos_half, 0.0, sin_half, 0.0}), connector);
   return connector;
@@ -197,8 +200,11 @@ DoublePinJoints balance_connectors(const RubberStep& step, const BodyLanes& link
     if (corrections > 0 && bits_of((off <= 1.0) | !LaneMask::first(valid)) == k_all_lanes) return joints;
     if (corrections == k_most_corrections) {
       constexpr double k_none = std::numeric_limits<double>::quiet_NaN();
-      joints.front.wrench.force.x = choose(off <= k_lost, joints.front.wrench.force.x, k_none);
+      joints.front.wrench.force.x = choose(off <= 1.0, joints.front.wrench.force.x, k_none);
       return joints;
+    }
+    if (corrections >= k_whole_corrections) {
+      for (Lanes& component : balance.wrench) component *= 0.5;
     }
     solve(balance.stiffness, balance.wrench_rate);
     const Six& motion = balance.wrench_rate;

@@ -44,7 +44,8 @@ DriveMotion drive_motion(const DriveTable& table, double time) {
 
 double limited_torque(const DriveTable& table, double wanted, double rate) {
   if (wanted * rate < 0.0) return std::clamp(wanted, -table.brake_torque, table.brake_torque);
-  const double limit = std::min(table.largest_torque, table.power / std::abs(rate));  // at rest: infinite power
+  const double speed = std::abs(rate), slowest = table.power / table.largest_torque;  // rad/s, at full power
+  const double limit = speed <= slowest ? table.largest_torque : table.power / speed;
   return std::clamp(wanted, -limit, limit);
 }
 

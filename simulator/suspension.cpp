@@ -114,7 +114,8 @@ Lanes damper_pressure(const GasUnits& units, const Lanes& flow) {
   for (int i = 0; i < 30 && bits_of(moving) != 0; ++i) {
     const Lanes of_jet = density * y * y;
     const Lanes area = units.orifice_area + units.blow_off_area * (0.5 * of_jet - pressure_at_knee);
-    const Lanes change = (area * y - flow) / (area + units.blow_off_area * of_jet);
+    const Lanes slope = choose(moving, area + units.blow_off_area * of_jet, 1.0);  // 0 where there is no unit
+    const Lanes change = (area * y - flow) / slope;
     y -= choose(moving, change, 0.0);
     moving = moving & (1e-7 * y < change.abs());
   }

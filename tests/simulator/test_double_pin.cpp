@@ -160,6 +160,29 @@ TEST(DoublePin, WholeRubberTurnsPowerIntoStorageAndLossInEachOfItsBushings) {
   }
 }
 
+TEST(DoublePin, IsBalancedOrNoNumber) {
+  // Bores up to a metre from where a connector fits between them: some have a balance, none may pass without one.
+  DoublePinPair pair(rubber_bushing(), 0.24);
+  RandomJoints poses(5);
+  int balanced = 0, without = 0;
+  for (int n = 0; n < 300; ++n) {
+    poses.pose(pair, 1.0);
+    pair.state.position[n % 3][1] += poses.number();
+    pair.evaluate();
+    const History before = pair.state.history;
+    const auto branch_step = pair.work.branch_step[0];
+    const RubberStep step{pair.track(), branch_step, before, pair.state.history, 0.0, true};
+    const DoublePinJoints joints = balance_connectors(step, load_bodies(pair.state, pair.work, 0),
+                                                      load_bodies(pair.state, pair.work, 1), {0, pair.rear()}, 1);
+    const Lanes3 left_over = joints.front.wrench.force + joints.rear.wrench.force;
+    const double force = std::sqrt(dot(left_over, left_over)[0]);
+    ++(std::isnan(force) ? without : balanced);
+    ASSERT_FALSE(force > 20.0) << "pose " << n;  // N, of some MN
+  }
+  EXPECT_GT(balanced, 50);
+  EXPECT_GT(without, 0);
+}
+
 /// Stored energy of the joint for a connector anywhere, written out anew with matrices and angles: two bores, two pins.
 double stored_energy_of(const DoublePinPair& pair, const Vector3d& center, const Matrix3d& connector,
                         const double (&stiffness)[k_num_axes]) {
