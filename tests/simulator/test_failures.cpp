@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cfenv>
 #include <limits>
 #include <vector>
 
@@ -19,6 +20,14 @@ using testing::StartsWith;
 
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 
+/// Traps would end the program where a number first is none.
+class Failure : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (fegetexcept() != 0) GTEST_SKIP() << "floating-point traps are on";
+  }
+};
+
 struct FailingVehicle {
   System system = reference_scene().system;
   State state = reference_scene().rest.state;
@@ -34,21 +43,21 @@ struct FailingVehicle {
   std::string failure() const { return failure({StepStatus::not_finite, StepStatus::turned_too_far}); }
 };
 
-TEST(Failure, NamesTheLinkWhoseVelocityIsNoNumber) {
+TEST_F(Failure, NamesTheLinkWhoseVelocityIsNoNumber) {
   FailingVehicle vehicle;
   vehicle.state.velocity[1][vehicle.system.tracks[1].offset + 17] = k_nan;
   EXPECT_THAT(vehicle.failure(),
               StartsWith("link 17 of the right track: its velocity along y is nan m/s: the run diverged; look there"));
 }
 
-TEST(Failure, NamesTheLinkWhoseTurningIsNoNumber) {
+TEST_F(Failure, NamesTheLinkWhoseTurningIsNoNumber) {
   FailingVehicle vehicle;
   vehicle.state.angular_velocity[1][5] = k_nan;
   EXPECT_THAT(vehicle.failure(),
               StartsWith("link 5 of the left track: its angular velocity about y is nan rad/s: the run diverged;"));
 }
 
-TEST(Failure, NamesTheJointWhoseRateIsInfinite) {
+TEST_F(Failure, NamesTheJointWhoseRateIsInfinite) {
   FailingVehicle vehicle;
   const int arm = vehicle.system.suspension.front().body;
   vehicle.state.chassis.rate[arm] = std::numeric_limits<double>::infinity();
@@ -56,21 +65,21 @@ TEST(Failure, NamesTheJointWhoseRateIsInfinite) {
               StartsWith("left/arm_1: its angular velocity about its joint is inf rad/s: the run diverged;"));
 }
 
-TEST(Failure, NamesTheChassis) {
+TEST_F(Failure, NamesTheChassis) {
   FailingVehicle vehicle;
   vehicle.state.chassis.angular_velocity.z() = k_nan;
   EXPECT_THAT(vehicle.failure(),
               StartsWith("the chassis: its angular velocity about z is nan rad/s: the run diverged;"));
 }
 
-TEST(Failure, NamesTheForceThatIsTheFirstToBeNoNumber) {
+TEST_F(Failure, NamesTheForceThatIsTheFirstToBeNoNumber) {
   FailingVehicle vehicle;  // a ground whose stiffness times its depth passes the largest number
   vehicle.system.tracks[0].ground.stiffness = 1e308;
   vehicle.state.position[2][40] -= 1e3;
   EXPECT_THAT(vehicle.failure(), ContainsRegex("contact force of the ground along z is inf N"));
 }
 
-TEST(Failure, NamesTheJointWithoutInertia) {
+TEST_F(Failure, NamesTheJointWithoutInertia) {
   FailingVehicle vehicle;
   for (TreeBody& body : vehicle.system.tree.bodies) {
     if (body.name != "right/roller_2") continue;
@@ -83,7 +92,7 @@ TEST(Failure, NamesTheJointWithoutInertia) {
                     HasSubstr("the mass and inertia of a real body")));
 }
 
-TEST(Failure, NamesWhatTurnsTooFarAndTheStepThatIsTooLong) {
+TEST_F(Failure, NamesWhatTurnsTooFarAndTheStepThatIsTooLong) {
   FailingVehicle vehicle;
   vehicle.system = driven(4.5, 4.5);
   vehicle.system.scenario.integrator.fixed_step = 6e-4;
@@ -94,7 +103,7 @@ TEST(Failure, NamesWhatTurnsTooFarAndTheStepThatIsTooLong) {
                                   "link [0-9]+ of the (left|right) track, which is stable below 0.1[0-9]* ms only")));
 }
 
-TEST(Failure, NamesTheJumpThatNoStepFollows) {
+TEST_F(Failure, NamesTheJumpThatNoStepFollows) {
   FailingVehicle vehicle;
   vehicle.system = driven(45.0, 45.0);
   vehicle.system.scenario.integrator.velocity_tolerance = 1e-9;
@@ -105,7 +114,7 @@ TEST(Failure, NamesTheJumpThatNoStepFollows) {
                     HasSubstr("(integrator.min_step, 0.01 ms)"), HasSubstr("step underflow; look there")));
 }
 
-TEST(Failure, NamesThePartThatIsTooStiffForTheLeastStep) {
+TEST_F(Failure, NamesThePartThatIsTooStiffForTheLeastStep) {
   FailingVehicle vehicle;
   vehicle.system.scenario.integrator.min_step = 2e-4;
   vehicle.system.scenario.integrator.max_step = 3e-4;
