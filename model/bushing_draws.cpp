@@ -1,9 +1,9 @@
 #include "model/bushing_draws.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <system_error>
+
+#include "model/replace_file.h"
 
 namespace grouser {
 namespace {
@@ -16,8 +16,8 @@ std::string padded(std::size_t number, std::size_t width) {
 }  // namespace
 
 BushingDraws::BushingDraws(const std::vector<Bushing>& draws, const std::filesystem::path& folder)
-    : folder_(folder), part_(folder.string() + "." + std::to_string(::getpid()) + ".part"), any_(!draws.empty()) {
-  std::filesystem::remove_all(folder_);
+    : folder_(folder), part_(folder.string() + ".part"), any_(!draws.empty()) {
+  std::filesystem::remove_all(part_);  // what a killed fit left
   if (!any_) return;
   try {
     std::filesystem::create_directories(part_);
@@ -38,7 +38,7 @@ BushingDraws::~BushingDraws() {
 }
 
 void BushingDraws::publish() {
-  if (any_) std::filesystem::rename(part_, folder_);
+  any_ ? replace_folder(part_, folder_) : static_cast<void>(std::filesystem::remove_all(folder_));
 }
 
 }  // namespace grouser

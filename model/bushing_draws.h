@@ -8,12 +8,11 @@
 /// an ordinary bushing file, so that a run with each of them shows what the uncertainty of the fit does to the vehicle.
 namespace grouser {
 
-/// A folder of draws in the making. Only publish() makes it seen, and what stood there before is gone by then: a reader
-/// never finds a part of the draws, nor draws that belong to another fit.
+/// A folder of draws in the making. Only publish() makes it seen, in place of the draws of an earlier fit: a reader
+/// finds all of the one or all of the other, whenever this program is killed.
 class BushingDraws {
  public:
-  /// Removes what an earlier fit left at `folder`, and writes the draws beside it; none for an empty list. The
-  /// draws' names are the caller's ("..., draw 3 of 60").
+  /// Writes the draws beside `folder`; none for an empty list. The draws' names are the caller's ("..., draw 3 of 60").
   BushingDraws(const std::vector<Bushing>& draws, const std::filesystem::path& folder);
   /// Leaves nothing behind unless published.
   ~BushingDraws();

@@ -56,9 +56,8 @@ inline void silence_hdf5() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
   return type;
 }
 
-[[noreturn]] inline void fail_hdf5(const std::string& action, const std::filesystem::path& file) {
-  throw FileError("cannot " + action + " in " + file.string());
-}
+/// Call right after what HDF5 refused: the reason is the system's where it was a call of the system that failed.
+[[noreturn]] void fail_hdf5(const std::string& action, const std::filesystem::path& file);
 
 /// `handle` itself, or a FileError when HDF5 refused.
 [[nodiscard]] inline Hdf5Handle checked(Hdf5Handle handle, const std::string& action,

@@ -1,45 +1,63 @@
 #include "model/provenance.h"
 
 #include <fcntl.h>
-#include <unistd.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 
-#include <cerrno>
-#include <cstring>
 #include <fstream>
-#include <sstream>
 
-#include "model/errors.h"
+#include "model/descriptor.h"
 #include "model/input_file.h"
+#include "model/replace_file.h"
 #include "model/sha256.h"
 
 namespace grouser {
 namespace {
 
-/// File descriptor that closes itself.
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  ~Descriptor() {
-    if (number_ >= 0) ::close(number_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  [[nodiscard]] int number() const { return number_; }
-
- private:
-  int number_;
-};
-
-[[noreturn]] void fail(const std::string& action, const std::filesystem::path& file) {
-  throw FileError("cannot " + action + " " + file.string() + ": " + std::strerror(errno));
-}
-
 void write_all(int descriptor, std::string_view bytes, const std::filesystem::path& file) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
-    if (written < 0) fail("write", file);
+    if (written < 0) fail_file("write", file);
     bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+constexpr std::uintmax_t k_most_bytes = 1u << 30;  // of a file that is held as a whole; films are the largest
+
+/// Appends the next bytes; false at the end. By the system's own call: streams pass an error of the disk for the end.
+bool read_block(int descriptor, const std::filesystem::path& file, std::string& bytes) {
+  constexpr std::size_t k_block = 1 << 18;
+  const std::size_t before = bytes.size();
+  bytes.resize(before + k_block);
+  ssize_t count = 0;
+  do {
+    count = ::read(descriptor, bytes.data() + before, k_block);
+  } while (count < 0 && errno == EINTR);
+  if (count < 0) fail_file("read", file);
+  bytes.resize(before + static_cast<std::size_t>(count));
+  return count > 0;
+}
+
+/// The file is still the one that bears the name.
+bool bears(int descriptor, const std::filesystem::path& name) {
+  struct stat own = {}, named = {};
+  return ::fstat(descriptor, &own) == 0 && ::stat(name.c_str(), &named) == 0 && own.st_ino == named.st_ino &&
+         own.st_dev == named.st_dev;
+}
+
+/// Always the same name, so that what a killed process left is written over. Of two processes one waits for the other,
+/// whose rename takes the name away.
+Descriptor open_part(const std::filesystem::path& part, const std::filesystem::path& file) {
+  while (true) {
+    Descriptor opened(::open(part.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666));
+    if (opened.number() < 0) fail_file("write", file);
+    // A file system without locks leaves the user to take care.
+    while (::flock(opened.number(), LOCK_EX) != 0 && errno == EINTR) {
+    }
+    if (!bears(opened.number(), part)) continue;
+    if (::ftruncate(opened.number(), 0) != 0) fail_file("write", file);
+    return opened;
   }
 }
 
@@ -55,46 +73,39 @@ std::string sha256_of(std::string_view bytes) {
 
 std::string sha256_of_file(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
-  if (!stream) fail("read", file);
+  if (!stream) fail_file("read", file);
   Sha256 digest;
   std::string block(1 << 20, '\0');
   while (stream.read(block.data(), static_cast<std::streamsize>(block.size())) || stream.gcount() > 0) {
     digest.add(std::string_view(block).substr(0, static_cast<std::size_t>(stream.gcount())));
   }
-  if (stream.bad()) fail("read", file);
+  if (stream.bad()) fail_file("read", file);
   return digest.hex();
 }
 
 void write_whole(const std::filesystem::path& file, std::string_view bytes) {
-  const std::string temporary = file.string() + "." + std::to_string(::getpid()) + ".part";
-  const Descriptor out(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666));
-  if (out.number() < 0) fail("write", file);
+  const std::filesystem::path part = file.string() + ".part";
+  const Descriptor out = open_part(part, file);
   try {
     write_all(out.number(), bytes, file);
-    if (::fsync(out.number()) != 0 || ::rename(temporary.c_str(), file.c_str()) != 0) fail("write", file);
+    replace_file(part, file);
   } catch (...) {
-    ::unlink(temporary.c_str());
+    ::unlink(part.c_str());
     throw;
   }
-  // The rename itself lasts only once the folder is on the disk.
-  const auto folder = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
-  const Descriptor directory(::open(folder.c_str(), O_RDONLY | O_DIRECTORY));
-  if (directory.number() >= 0) ::fsync(directory.number());
 }
 
-constexpr std::uintmax_t k_most_bytes = 1u << 30;  // of a file that is held as a whole; films are the largest
-
 std::string read_whole(const std::filesystem::path& file) {
-  std::error_code code;
   require_plain_file(file);
-  const std::uintmax_t size = std::filesystem::file_size(file, code);
-  if (!code && size > k_most_bytes) throw FileError("cannot read " + file.string() + ": is larger than 1 GB");
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) fail("read", file);
-  std::ostringstream bytes;
-  if (stream.peek() != std::ifstream::traits_type::eof()) bytes << stream.rdbuf();
-  if (stream.bad()) fail("read", file);
-  return std::move(bytes).str();
+  std::error_code unknown;
+  const std::uintmax_t size = std::filesystem::file_size(file, unknown);
+  if (!unknown && size > k_most_bytes) throw FileError("cannot read " + file.string() + ": is larger than 1 GB");
+  const Descriptor in(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  if (in.number() < 0) fail_file("read", file);
+  std::string bytes;
+  while (read_block(in.number(), file, bytes)) {
+  }
+  return bytes;
 }
 
 }  // namespace grouser

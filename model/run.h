@@ -41,7 +41,7 @@ inline constexpr double k_chunk_time = 0.5;  ///< s simulated; what a killed run
 class RunWriter {
  public:
   /// names: string datasets written once ("/joints/names" -> ...). kept_rows, by table: so many rows of the file that
-  /// stands there already begin the new one, which replaces it once they are in it.
+  /// stands there already begin the new one. It replaces that file once it holds them and its datasets.
   RunWriter(const std::filesystem::path& file, const std::vector<ChannelTable>& tables,
             const std::map<std::string, std::vector<std::string>>& names,
             const std::vector<std::size_t>& kept_rows = {});

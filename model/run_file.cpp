@@ -1,11 +1,10 @@
 #include "model/run_file.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
+#include <system_error>
 
 #include "model/hdf5_superblock.h"
+#include "model/replace_file.h"
 
 namespace grouser {
 namespace {
@@ -89,21 +88,21 @@ Hdf5Handle create_dataset(hid_t file, const Channel& channel, std::size_t chunk_
 
 }  // namespace
 
-RunFile::RunFile(std::filesystem::path path, std::vector<ChannelTable> tables,
+RunFile::RunFile(const std::filesystem::path& path, std::vector<ChannelTable> tables,
                  const std::map<std::string, std::vector<std::string>>& names)
-    : path_(std::move(path)), tables_(std::move(tables)) {
+    : final_path_(path), path_(path.string() + ".part"), tables_(std::move(tables)) {
   silence_hdf5();
   file_ = create_file(path_);
   for (const ChannelTable& table : tables_) {
     std::vector<Hdf5Handle>& datasets = datasets_.emplace_back();
     for (const Channel& channel : table.channels) {
       datasets.push_back(
-          checked(create_dataset(file_.id(), channel, table.rows_per_chunk()), "create " + channel.path, path_));
+          checked(create_dataset(file_.id(), channel, table.rows_per_chunk()), "create " + channel.path, final_path_));
     }
   }
   for (const auto& [name, texts] : names) write_names(file_.id(), name, texts);
   // From here on HDF5 orders its writes so that the file on the disk is always a valid one.
-  if (H5Fstart_swmr_write(file_.id()) < 0) fail_hdf5("start writing", path_);
+  if (H5Fstart_swmr_write(file_.id()) < 0) fail_hdf5("start writing", final_path_);
 }
 
 void RunFile::write(std::size_t table, std::size_t first, std::span<const double> rows) {
@@ -123,36 +122,40 @@ void RunFile::write_channel(std::size_t table, std::size_t channel_i, std::size_
   const Channel& channel = tables_[table].channels[channel_i];
   const hid_t set = datasets_[table][channel_i].id();
   const std::vector<hsize_t> total = with_rows(first + count, channel);
-  if (H5Dset_extent(set, total.data()) < 0) fail_hdf5("extend " + channel.path, path_);
+  if (H5Dset_extent(set, total.data()) < 0) fail_hdf5("extend " + channel.path, final_path_);
   std::vector<hsize_t> start(total.size(), 0);
   start[0] = first;
   constexpr std::uint32_t k_all_filters = 0;  // applied: a bit tells which was left out
   if (H5Dwrite_chunk(set, H5P_DEFAULT, k_all_filters, start.data(), chunk.size(), chunk.data()) < 0)
-    fail_hdf5("write " + channel.path, path_);
+    fail_hdf5("write " + channel.path, final_path_);
 }
 
 void RunFile::flush() {
-  if (H5Fflush(file_.id(), H5F_SCOPE_GLOBAL) < 0) fail_hdf5("flush", path_);
+  if (H5Fflush(file_.id(), H5F_SCOPE_GLOBAL) < 0) fail_hdf5("flush", final_path_);
   make_superblock_readable(path_);
 }
 
 void RunFile::sync() {
   flush();
-  const int descriptor = ::open(path_.c_str(), O_RDONLY);
-  const bool synced = descriptor >= 0 && ::fsync(descriptor) == 0;
-  if (descriptor >= 0) ::close(descriptor);
-  if (!synced) fail_hdf5("sync", path_);
+  sync_file(path_);
 }
 
-void RunFile::rename(const std::filesystem::path& path) {
-  std::filesystem::rename(path_, path);
-  path_ = path;
+void RunFile::publish() {
+  flush();
+  replace_file(path_, final_path_);
+  path_ = final_path_;
 }
 
 void RunFile::close() {
-  flush();
+  sync();
   datasets_.clear();
   file_.reset();
+}
+
+RunFile::~RunFile() {
+  if (path_ == final_path_) return;
+  std::error_code ignored;
+  std::filesystem::remove(path_, ignored);
 }
 
 }  // namespace grouser

@@ -12,11 +12,15 @@
 namespace grouser {
 
 /// run.h5 while it is written: a dataset for every channel, a chunk of rows at a time. Chunks go straight to the file,
-/// past HDF5's own cache and filters. Every call throws FileError.
+/// past HDF5's own cache and filters. Until it is published it stands beside `path`. Every call throws FileError.
 class RunFile {
  public:
-  RunFile(std::filesystem::path path, std::vector<ChannelTable> tables,
+  RunFile(const std::filesystem::path& path, std::vector<ChannelTable> tables,
           const std::map<std::string, std::vector<std::string>>& names);
+  /// Takes away what was not published.
+  ~RunFile();
+  RunFile(const RunFile&) = delete;
+  RunFile& operator=(const RunFile&) = delete;
 
   /// The rows of a table from `first` on, which begins a chunk; at most that chunk's.
   void write(std::size_t table, std::size_t first, std::span<const double> rows);
@@ -24,15 +28,15 @@ class RunFile {
   void flush();
   /// Ditto after a loss of power.
   void sync();
-  /// Gives the open file another name in its folder, in place of what bears it.
-  void rename(const std::filesystem::path& path);
+  /// Puts the open file in place of what bears its name.
+  void publish();
   void close();
 
  private:
   void write_channel(std::size_t table, std::size_t channel, std::size_t first, std::size_t count,
                      std::span<const unsigned char> chunk);
 
-  std::filesystem::path path_;
+  std::filesystem::path final_path_, path_;
   Hdf5Handle file_;
   std::vector<ChannelTable> tables_;
   std::vector<std::vector<Hdf5Handle>> datasets_;  ///< by table, by channel

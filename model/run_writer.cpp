@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <mutex>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
 
 #include "model/run_file.h"
@@ -116,15 +117,14 @@ void RunWriter::Impl::copy_rows(const ChannelTable& table, std::size_t table_i, 
 RunWriter::RunWriter(const std::filesystem::path& file, const std::vector<ChannelTable>& tables,
                      const std::map<std::string, std::vector<std::string>>& names,
                      const std::vector<std::size_t>& kept_rows) {
-  if (kept_rows.empty()) {
-    impl_ = std::make_unique<Impl>(file, tables, names);
-    return;
-  }
-  // Not cut to length in place: a kill while a file is cut would leave neither the old run nor the new one.
-  impl_ = std::make_unique<Impl>(file.string() + ".part", tables, names);
-  const RunReader earlier(file);
-  for (std::size_t i = 0; i < kept_rows.size(); ++i) impl_->copy_rows(tables.at(i), i, earlier, kept_rows[i]);
-  sync([this, file] { impl_->file.rename(file); });
+  // An earlier file is not written over, nor cut to length in place: a kill meanwhile would leave neither the old run
+  // nor the new one.
+  std::optional<RunReader> earlier;
+  if (!kept_rows.empty()) earlier.emplace(file);
+  impl_ = std::make_unique<Impl>(file, tables, names);
+  for (std::size_t i = 0; i < kept_rows.size(); ++i) impl_->copy_rows(tables.at(i), i, *earlier, kept_rows[i]);
+  impl_->write_begun_chunks();
+  impl_->worker.post([this] { impl_->file.publish(); });
   impl_->worker.finish();
 }
 

@@ -43,6 +43,7 @@ void Worker::work() {
     std::function<void()> job = std::move(waiting_.front());
     waiting_.pop_front();
     busy_ = true;
+    done_.notify_all();  // there is room for another
     lock.unlock();
     std::exception_ptr failure;
     try {

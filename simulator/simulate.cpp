@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "model/errors.h"
-#include "simulator/folder_lock.h"
+#include "model/folder_lock.h"
 #include "simulator/run_loop.h"
 
 namespace grouser {
@@ -52,23 +52,23 @@ void refuse_ended(const std::filesystem::path& folder) {
 /// Share of the progress bar.
 constexpr double k_assembly_share = 0.25;
 
-}  // namespace
-
-RunSummary simulate(const Scenario& scenario, const std::filesystem::path& folder, const Progress& progress) {
-  const System system = compile(scenario);
-  RunSummary summary = start_summary(system);
+RunStart assembled(const System& system, const Progress& progress) {
   const Stopwatch watch;
   RunStart start;
   start.assembled = assemble(system, [&](const ProgressReport& r) {
     return !progress || progress({k_assembly_share * r.fraction, r.what});
   });
   start.assembly_wall_time = watch.seconds();
+  return start;
+}
 
-  std::filesystem::create_directories(folder);
-  const FolderLock lock(folder);
+/// From time 0, in a folder that is locked. The checkpoint goes first: none without its run.
+RunSummary begin_run(const System& system, const RunStart& start, const std::filesystem::path& folder,
+                     const Progress& progress) {
+  RunSummary summary = start_summary(system);
   std::filesystem::remove(folder / "checkpoint");
   mark_as_running(summary, folder);
-  write_inputs(scenario, folder);
+  write_inputs(system.scenario, folder);
   RunLoop run(system, start, folder);
   run.begin();
   return go(run, summary, folder, [&](const ProgressReport& r) {
@@ -76,10 +76,26 @@ RunSummary simulate(const Scenario& scenario, const std::filesystem::path& folde
   });
 }
 
+/// A run that was killed before its first checkpoint: it begun, so there is a summary that says so.
+bool only_begun(const std::filesystem::path& folder) {
+  return std::filesystem::exists(folder / "run.json") && !std::filesystem::exists(folder / "checkpoint");
+}
+
+}  // namespace
+
+RunSummary simulate(const Scenario& scenario, const std::filesystem::path& folder, const Progress& progress) {
+  const System system = compile(scenario);
+  const RunStart start = assembled(system, progress);
+  std::filesystem::create_directories(folder);
+  const FolderLock lock(folder, "run");
+  return begin_run(system, start, folder, progress);
+}
+
 RunSummary resume(const Scenario& scenario, const std::filesystem::path& folder, const Progress& progress) {
-  const FolderLock lock(folder);
+  const FolderLock lock(folder, "run");
   refuse_ended(folder);
   const System system = compile(scenario);
+  if (only_begun(folder)) return begin_run(system, assembled(system, progress), folder, progress);
   RunSummary summary = start_summary(system);
   CheckpointReader checkpoint = read_checkpoint(folder, identity_of(scenario));
   RunStart start;

@@ -14,8 +14,8 @@ namespace grouser {
                                   const Progress& progress = {});
 
 /// Goes on with the run of a folder, from its last checkpoint, to the bytes of a run that was never stopped (wall times
-/// apart). Throws InputError with the reason when it cannot: no checkpoint, a damaged one, one of another program or
-/// other inputs, a run that came to its end.
+/// apart); one that was killed before its first checkpoint begins anew. Throws InputError with the reason when it
+/// cannot: no checkpoint, a damaged one, one of another program or other inputs, a run that came to its end.
 [[nodiscard]] RunSummary resume(const Scenario& scenario, const std::filesystem::path& folder,
                                 const Progress& progress = {});
 

@@ -3,7 +3,11 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <thread>
+
 #include "model/errors.h"
+#include "model/folder_lock.h"
+#include "model/replace_file.h"
 #include "tests/support/test_data.h"
 
 namespace grouser {
@@ -34,6 +38,51 @@ TEST(WriteWhole, ThatFailsLeavesTheOldFile) {
   EXPECT_THROW(write_whole(file, "new"), FileError);
   EXPECT_TRUE(std::filesystem::exists(file / "inside"));
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
+}
+
+TEST(WriteWhole, WritesOverWhatAKilledProcessLeft) {
+  const TemporaryFolder folder;
+  folder.write("out.json.part", "half of a file that is longer");
+  write_whole(folder.path() / "out.json", "new");
+  EXPECT_EQ(read_whole(folder.path() / "out.json"), "new");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
+}
+
+TEST(WriteWhole, OfManyWritersOneFileIsWhole) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "out";
+  std::vector<std::thread> writers;
+  for (const char letter : {'a', 'b', 'c', 'd'}) {
+    writers.emplace_back([&file, letter] {
+      for (int i = 0; i < 20; ++i) write_whole(file, std::string(100000, letter));
+    });
+  }
+  for (std::thread& writer : writers) writer.join();
+  const std::string left = read_whole(file);
+  EXPECT_EQ(left, std::string(100000, left.front()));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
+}
+
+TEST(ReplaceFolder, LeavesTheNewOneAlone) {
+  const TemporaryFolder folder;
+  for (const char* old : {"", "old"}) {
+    std::filesystem::create_directories(folder.path() / "made");
+    folder.write("made/new", "new");
+    if (*old != 0) folder.write("folder/old", "old");
+    replace_folder(folder.path() / "made", folder.path() / "folder");
+    EXPECT_TRUE(std::filesystem::exists(folder.path() / "folder" / "new"));
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / "folder" / "old"));
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / "made"));
+  }
+}
+
+TEST(FolderLock, IsHeldByOneAtATimeAndGivenBack) {
+  const TemporaryFolder folder;
+  {
+    const FolderLock held(folder.path(), "run");
+    EXPECT_THROW(FolderLock(folder.path(), "run"), FileError);
+  }
+  EXPECT_NO_THROW(FolderLock(folder.path(), "run"));
 }
 
 TEST(ReadWhole, SaysWhatItCouldNotRead) {
