@@ -26,8 +26,14 @@ std::size_t terminal_columns() {
   return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
 }
 
+/// A terminal that is gone, or a full disk behind stderr, is no reason to lose the work.
+void write_stderr(const std::string& text) {
+  std::fwrite(text.data(), 1, text.size(), stderr);
+  std::fflush(stderr);
+}
+
 void write_line(std::string_view label, std::string_view text) {
-  fmt::print(stderr, "{}grouser: {}{}\n", on_terminal() ? k_clear_line : "", label, text);
+  write_stderr(fmt::format("{}grouser: {}{}\n", on_terminal() ? k_clear_line : "", label, text));
 }
 
 std::string duration_text(double seconds) {
@@ -39,7 +45,7 @@ class ProgressBar {
  public:
   explicit ProgressBar(std::string title) : title_(std::move(title)), terminal_(on_terminal()) {}
   ~ProgressBar() {
-    if (terminal_) fmt::print(stderr, "{}", k_clear_line);
+    if (terminal_) write_stderr(k_clear_line);
   }
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
@@ -51,7 +57,7 @@ class ProgressBar {
       draw_bar(fraction, report.what);
     } else if (const int tenth = static_cast<int>(fraction * 10.0 + 1e-9); tenth > last_tenth_) {
       last_tenth_ = tenth;
-      fmt::print(stderr, "grouser: {}: {}\n", title_, status(fraction, report.what));
+      write_line("", title_ + ": " + status(fraction, report.what));
     }
   }
 
@@ -83,8 +89,7 @@ class ProgressBar {
     std::string line = fmt::format("{} [{}{}] {}", title_, std::string(filled, '#'), std::string(k_cells - filled, '.'),
                                    status(fraction, what));
     line.resize(std::min(line.size(), terminal_columns() - 1));
-    fmt::print(stderr, "{}{}", k_clear_line, line);
-    std::fflush(stderr);
+    write_stderr(k_clear_line + line);
   }
 
   std::string title_;
@@ -98,6 +103,8 @@ class ProgressBar {
 }  // namespace
 
 void Console::error(std::string_view text) { write_line("error: ", text); }
+
+void Console::hint(std::string_view text) { write_stderr(std::string(text) + "\n"); }
 
 void Console::note(std::string_view text) {
   if (!quiet_) write_line("", text);

@@ -13,6 +13,8 @@ class Console {
 
   /// `grouser: error: text`, also when quiet.
   void error(std::string_view text);
+  /// A line on its own that goes with an error.
+  void hint(std::string_view text);
   /// `grouser: text`, unless quiet.
   void note(std::string_view text);
 

@@ -58,7 +58,7 @@ ExitCode make_parts(const fs::path& data, const fs::path& folder, Console& conso
     const fs::path run = folder / name;
     drive.push_back(guarded(weight, console, [request, run, &console](const Progress& tell) {
       const RunSummary summary = simulate(read_request(request), run, tell);
-      if (summary.status != RunStatus::completed) console.error(run.string() + ": " + summary.message);
+      if (summary.status == RunStatus::failed) console.error(run.string() + ": " + summary.message);
       return exit_code(summary.status);
     }));
     film.push_back(guarded(weight, console, [run](const Progress& tell) { return show(run, tell); }));
@@ -83,7 +83,10 @@ Result run(const Options& options, Console& console) {
   {
     const Progress progress = console.progress("demo");
     result.code = make_parts(data, folder, console, progress);
-    if (result.code == ExitCode::interrupted) return result;
+    if (result.code == ExitCode::interrupted) {
+      result.left = "on the way: what was computed stands in " + folder.string();
+      return result;
+    }
     const bool both_ran = fs::exists(folder / "run_a" / "run.json") && fs::exists(folder / "run_b" / "run.json");
     if (result.code == ExitCode::done || (result.code == ExitCode::numerical_failure && both_ran)) {
       write_report({folder / "identification", folder / "run_a", folder / "run_b"}, folder / "report.html");

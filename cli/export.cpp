@@ -78,6 +78,7 @@ Result run(const Options& options, Console& console) {
     result.json["outputs"].push_back(file.string());
     if (!progress({static_cast<double>(i + 1) / static_cast<double>(datasets.size()), datasets[i]})) {
       result.code = ExitCode::interrupted;
+      result.left = fmt::format("after {} of {} files", i + 1, datasets.size());
       break;
     }
   }

@@ -30,7 +30,7 @@ int refuse(const CLI::App& root, const CLI::ParseError& error, const std::vector
   console.error(text);
   const auto chosen = root.get_subcommands();
   const std::string name = chosen.empty() ? "" : chosen.front()->get_name();
-  fmt::print(stderr, "Try `grouser {}--help`.\n", name.empty() ? "" : name + " ");
+  console.hint(fmt::format("Try `grouser {}--help`.", name.empty() ? "" : name + " "));
   // The parser stopped before it had read its flags.
   if (std::find(arguments.begin(), arguments.end(), "--json") != arguments.end()) {
     Result result;
@@ -41,7 +41,17 @@ int refuse(const CLI::App& root, const CLI::ParseError& error, const std::vector
   return static_cast<int>(ExitCode::usage);
 }
 
+/// The result on stdout; the exit code, which a closed or full stdout changes.
+int finish(const Result& result, const std::string& command, bool as_json, Console& console) {
+  if (result.code == ExitCode::interrupted)
+    console.error("interrupted" + (result.left.empty() ? "" : " " + result.left));
+  if (print(result, command, as_json)) return static_cast<int>(result.code);
+  console.error("stdout: expected to write the result, found it closed or full");
+  return static_cast<int>(ExitCode::file_failure);
+}
+
 int main(int argc, char** argv) {
+  let_writes_fail();
   CLI::App root{"Rubber-bushed track: from test rig to vehicle dynamics.", "grouser"};
   CommonOptions common;
   add_common(root, common);
@@ -58,7 +68,11 @@ int main(int argc, char** argv) {
   try {
     root.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return root.exit(error);
+    if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
+      root.exit(error);
+      Console console(false);
+      return finish({}, "", false, console);
+    }
     return refuse(root, error, arguments);
   }
   const auto command =
@@ -66,11 +80,7 @@ int main(int argc, char** argv) {
   watch_interrupts();
   Console console(common.quiet);
   const Result result = guard(console, [&] { return command->run(console); });
-  if (!print(result, command->app->get_name(), common.json)) {
-    console.error("stdout: expected to write the result, found it closed or full");
-    return static_cast<int>(ExitCode::file_failure);
-  }
-  return static_cast<int>(result.code);
+  return finish(result, command->app->get_name(), common.json, console);
 }
 
 }  // namespace

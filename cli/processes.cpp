@@ -96,14 +96,17 @@ ProgressReport together(const std::vector<Child>& children) {
   return all;
 }
 
-/// The code a child ended with; one that was killed counts as interrupted, one that crashed as a numerical failure.
-ExitCode wait_for(const Child& child) {
+/// The code a child ended with; one that a user's signal ended counts as interrupted. `killed` is the signal that no
+/// user sent: of the system when memory is out, or of a crash.
+ExitCode wait_for(const Child& child, int& killed) {
   int status = 0;
   while (waitpid(child.process, &status, 0) < 0 && errno == EINTR) {
   }
   if (WIFEXITED(status)) return static_cast<ExitCode>(WEXITSTATUS(status));
   const int signal = WTERMSIG(status);
-  return signal == SIGINT || signal == SIGTERM ? ExitCode::interrupted : ExitCode::numerical_failure;
+  if (signal == SIGINT || signal == SIGTERM || signal == SIGHUP) return ExitCode::interrupted;
+  killed = signal;
+  return ExitCode::file_failure;
 }
 
 }  // namespace
@@ -137,8 +140,13 @@ ExitCode run_in_processes(const std::vector<Job>& jobs, const Progress& progress
     }
   }
   ExitCode worst = ExitCode::done;
+  int killed = 0;
   for (const Child& child : children) {
-    if (const ExitCode code = wait_for(child); worst == ExitCode::done) worst = code;
+    if (const ExitCode code = wait_for(child, killed); worst == ExitCode::done) worst = code;
+  }
+  if (killed != 0) {
+    throw FileError(fmt::format("a part of the work, in a process of its own, was ended by signal {} ({}){}", killed,
+                                strsignal(killed), killed == SIGKILL ? ": was memory out?" : ""));
   }
   return worst;
 }

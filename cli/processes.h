@@ -18,7 +18,7 @@ struct Job {
 /// Runs all jobs side by side, each in a child of this process; `progress` sees the weighted mean. When it asks to
 /// stop, so are the children. Call before this process has threads or a GL context: a child inherits neither in working
 /// order. Returns the exit code of the first job that did not end well, or `done`. Throws FileError when no child can
-/// be made.
+/// be made, or one was killed.
 [[nodiscard]] ExitCode run_in_processes(const std::vector<Job>& jobs, const Progress& progress);
 
 }  // namespace grouser::cli

@@ -93,7 +93,9 @@ Result run(const Options& options, bool film_named, Console& console) {
     result.json["outputs"].push_back(file.string());
   };
   if (!options.stills.empty()) {
-    for (const double time : options.stills) made(write_still(runs, time, render, folder));
+    for (const double time : options.stills) {
+      if (!interrupted()) made(write_still(runs, time, render, folder));
+    }
   } else if (options.frames) {
     const int count = render_frames(runs, folder, render, console.progress("render"));
     for (int i = 0; i < count; ++i)
@@ -106,7 +108,10 @@ Result run(const Options& options, bool film_named, Console& console) {
     result.json["frames"] = render_film(runs, file, render, console.progress("render"));
     if (!interrupted()) made(file);
   }
-  if (interrupted()) result.code = ExitCode::interrupted;
+  if (interrupted()) {
+    result.code = ExitCode::interrupted;
+    if (options.stills.empty()) result.left = "on the way: the same command goes on where it stopped";
+  }
   return result;
 }
 

@@ -46,12 +46,13 @@ std::pair<std::string, std::string> taken_apart(const std::string& assignment) {
   return {assignment.substr(0, equals), assignment.substr(equals + 1)};
 }
 
-Result run(const Options& options) {
+Result run(const Options& options, Console& console) {
   if (options.list_channels) return list_channels(options);
   const fs::path file = report_file(options);
   if (!options.file.empty() && file.has_parent_path()) fs::create_directories(file.parent_path());
   ReportOptions report = options.report;
   report.against = options.against;
+  report.progress = console.progress("report");
   for (const std::string& channel : options.channels) report.channels.push_back(taken_apart(channel));
   Result result;
   for (const ChannelVerdict& verdict : write_report({options.folders.begin(), options.folders.end()}, file, report)) {
@@ -117,7 +118,7 @@ Command add_report(CLI::App& root) {
                   "against_FILE.html]")
       ->type_name("FILE.html");
   add_comparison_options(*app, *options);
-  return {app, [options](Console&) { return run(*options); }};
+  return {app, [options](Console& console) { return run(*options, console); }};
 }
 
 }  // namespace grouser::cli

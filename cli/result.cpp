@@ -2,8 +2,9 @@
 
 #include <filesystem>
 #include <iostream>
+#include <new>
+#include <system_error>
 
-#include "cli/interrupt.h"
 #include "model/errors.h"
 
 namespace grouser::cli {
@@ -39,13 +40,20 @@ Result guard(Console& console, const std::function<Result()>& work) {
     return work();
   } catch (const InputError& error) {
     return bad_input(console, error);
+  } catch (const Interrupted& stopped) {
+    Result result;
+    result.code = ExitCode::interrupted;
+    result.left = stopped.what();
+    return result;
   } catch (const NumericalError& error) {
-    // A fit that was asked to stop has no result to return; the reason is the user's, not the numbers'.
-    if (interrupted()) return failure(console, ExitCode::interrupted, "interrupted");
     return failure(console, ExitCode::numerical_failure, error.what());
   } catch (const FileError& error) {
     return failure(console, ExitCode::file_failure, error.what());
   } catch (const std::filesystem::filesystem_error& error) {
+    return failure(console, ExitCode::file_failure, error.what());
+  } catch (const std::bad_alloc&) {
+    return failure(console, ExitCode::file_failure, "out of memory: the system gave no more");
+  } catch (const std::system_error& error) {  // no more threads
     return failure(console, ExitCode::file_failure, error.what());
   }
 }

@@ -14,12 +14,13 @@ enum class ExitCode { done = 0, usage = 2, bad_input = 3, numerical_failure = 4,
 /// What a subcommand hands back: lines for people or, with --json, one object for machines.
 struct Result {
   ExitCode code = ExitCode::done;
+  std::string left;  ///< of an interrupted command: what stands, and how to go on
   std::vector<std::string> lines;
   nlohmann::ordered_json json = nlohmann::ordered_json::object();
 };
 
 /// Runs the work; an error of the libraries becomes its exit code, with every finding on stderr and in the result's
-/// `errors`.
+/// `errors`. That it was interrupted is left for main() to say, once for all processes.
 [[nodiscard]] Result guard(Console& console, const std::function<Result()>& work);
 
 /// Writes a result to stdout. False when stdout takes no more.

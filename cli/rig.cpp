@@ -133,7 +133,7 @@ VirtualCampaign drive_campaign(const RigRecord& rig, const Bushing& bushing, con
   std::vector<PreparedTest> tests;
   for (const RigTest& test : rig.tests) {
     const double fraction = static_cast<double>(made.rig.tests.size()) / static_cast<double>(rig.tests.size());
-    if (progress && !progress({fraction, test.name})) throw NumericalError("interrupted before: " + test.name);
+    if (progress && !progress({fraction, test.name})) throw Interrupted("before: " + test.name);
     if (test.protocol) {
       RigTest& driven = made.rig.tests.emplace_back(run_protocol(bushing, test));
       driven.file = file_of(test.name, taken);

@@ -26,6 +26,11 @@ std::map<std::string, std::string> replacements(const std::vector<std::string>& 
   return replaced;
 }
 
+std::string kept(const fs::path& folder, const RunSummary& summary) {
+  return fmt::format("at {:.4f} s of the run, which is kept: the same command with --resume goes on from {}",
+                     summary.simulated_time, folder.string());
+}
+
 Result run(const Options& options, Console& console) {
   const Scenario scenario = read_request(options.request);
   const fs::path folder = options.request.folder.empty() ? fs::path(options.request.scenario_file).stem()
@@ -35,7 +40,8 @@ Result run(const Options& options, Console& console) {
 
   Result result;
   result.code = exit_code(summary.status);
-  if (summary.status != RunStatus::completed) console.error(folder.string() + ": " + summary.message);
+  if (summary.status == RunStatus::failed) console.error(folder.string() + ": " + summary.message);
+  if (summary.status == RunStatus::stopped) result.left = kept(folder, summary);
   result.lines.push_back(headline(summary));
   result.lines.push_back(fmt::format("{} bodies, {} revolute joints, {} bushings, {} degrees of freedom",
                                      summary.counts.bodies, summary.counts.revolute_joints, summary.counts.bushings,
@@ -116,9 +122,10 @@ Command add_simulate(CLI::App& root) {
       ->check(CLI::PositiveNumber)
       ->type_name("N")
       ->capture_default_str();
-  app->add_flag("--resume", options->resume,
-                "Go on with a run that was stopped or killed, from its last checkpoint; the result is the same to the "
-                "byte");
+  app->add_flag(
+      "--resume", options->resume,
+      "Go on with a run that was stopped or killed, from its last checkpoint or, before the first one, from its "
+      "beginning; the result is the same to the byte");
   app->footer("A run that fails or is interrupted keeps what it computed, with its reason in run.json.");
   return {app, [options](Console& console) { return run(*options, console); }};
 }

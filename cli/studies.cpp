@@ -48,7 +48,7 @@ SimulateRequest request_of(const Case& each, const fs::path& data, const fs::pat
 /// A run and its own report. A run that failed is reported too: the comparison shows how.
 ExitCode drive(const SimulateRequest& request, Console& console, const Progress& tell) {
   const RunSummary summary = simulate(read_request(request), request.folder, part_of(tell, 0.0, 0.9));
-  if (summary.status != RunStatus::completed) console.error(request.folder + ": " + summary.message);
+  if (summary.status == RunStatus::failed) console.error(request.folder + ": " + summary.message);
   if (summary.status != RunStatus::stopped) write_report({request.folder}, fs::path(request.folder) / "report.html");
   return exit_code(summary.status);
 }
@@ -76,6 +76,7 @@ Result run_study(const std::string& name, const fs::path& given_data, const fs::
   }
   const Progress progress = console.progress("study of " + name);
   result.code = run_in_processes(jobs, part_of(progress, 0.0, 0.97));
+  if (result.code == ExitCode::interrupted) result.left = "on the way: what was computed stands in " + own.string();
   const bool all_ran = std::ranges::all_of(runs, [](const fs::path& run) { return fs::exists(run / "report.json"); });
   if (result.code != ExitCode::done && (result.code != ExitCode::numerical_failure || !all_ran)) return result;
   write_report(runs, own / "report.html");

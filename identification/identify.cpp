@@ -108,7 +108,7 @@ AxisResult identify_axis(Axis axis, const std::vector<const PreparedTest*>& test
 }
 
 void report_progress(const Progress& progress, double fraction, const std::string& what) {
-  if (progress && !progress({fraction, what})) throw NumericalError("identification interrupted before: " + what);
+  if (progress && !progress({fraction, what})) throw Interrupted("before: " + what);
 }
 
 using AxisResults = std::array<std::optional<AxisResult>, k_num_axes>;

@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <stdexcept>
 #include <string>
 
 namespace grouser {
@@ -12,5 +13,11 @@ struct ProgressReport {
 
 /// Returns false to ask the work to stop at the next safe place (interrupted; what was computed is kept).
 using Progress = std::function<bool(const ProgressReport&)>;
+
+/// Work that was asked to stop and has nothing to keep.
+class Interrupted : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 }  // namespace grouser

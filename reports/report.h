@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "model/fit.h"
+#include "model/progress.h"
 #include "model/run.h"
 #include "render/figure.h"
 
@@ -27,6 +28,7 @@ struct ReportOptions {
   double shift = 0.0;                                         ///< s, added to the measured time
   double from = -std::numeric_limits<double>::infinity(), to = -from;  ///< s of the run's clock
   std::vector<std::string> limits;  ///< "iso=0.6", "lag_ms=20", "correlation=none", in place of those that hold else
+  Progress progress;                ///< asked before each folder's part; throws Interrupted when it is to stop
 };
 /// What is wrong with one of the limits; empty when nothing is.
 [[nodiscard]] std::string limit_problem(const std::string& limit);

@@ -135,13 +135,29 @@ json contents(const json& page) {
   return links;
 }
 
+/// Tells how far a page is, part by part, and stops there when asked to.
+class PartsDone {
+ public:
+  PartsDone(const Progress& progress, std::size_t parts) : progress_(progress), parts_(parts) {}
+  void begin(const std::string& what) {
+    const double fraction = static_cast<double>(done_++) / static_cast<double>(parts_);
+    if (progress_ && !progress_({fraction, what})) throw Interrupted("before the report was whole");
+  }
+
+ private:
+  const Progress& progress_;
+  std::size_t parts_, done_ = 0;
+};
+
 /// Each run of a study has a page of its own; here it would bury the study.
-void add_runs(Opened& opened, int level, json& page) {
+void add_runs(Opened& opened, int level, PartsDone& parts, json& page) {
   const std::optional<InputDifference> parameter = arrange_study(opened.runs);
   page["study"] = parameter ? study_facts(opened.runs, *parameter, "study", level) : json(false);
   if (parameter) return;
-  for (std::size_t i = 0; i < opened.runs.size(); ++i)
+  for (std::size_t i = 0; i < opened.runs.size(); ++i) {
+    parts.begin(opened.runs[i].summary.name);
     page["runs"].push_back(run_facts(opened.runs[i], fmt::format("run{}", i + 1), level));
+  }
 }
 
 std::string title_of(const json& page, const Opened& opened, std::size_t parts) {
@@ -181,11 +197,16 @@ json page_facts(Opened opened, const ReportOptions& options) {
   const std::size_t parts = opened.runs.size() + opened.fits.size() + opened.rigs.size();
   const int level = parts == 1 ? 1 : 2;
   json page = empty_page(parts > 1);
-  for (std::size_t i = 0; i < opened.fits.size(); ++i)
+  PartsDone done(options.progress, parts);
+  for (std::size_t i = 0; i < opened.fits.size(); ++i) {
+    done.begin(opened.fits[i].fit.specimen);
     page["fits"].push_back(fit_facts(opened.fits[i], fmt::format("fit{}", i + 1), level));
-  for (std::size_t i = 0; i < opened.rigs.size(); ++i)
+  }
+  for (std::size_t i = 0; i < opened.rigs.size(); ++i) {
+    done.begin(opened.rigs[i].replay.bushing);
     page["rigs"].push_back(rig_facts(opened.rigs[i], fmt::format("rig{}", i + 1), level));
-  add_runs(opened, level, page);
+  }
+  add_runs(opened, level, done, page);
   page["compares"] = opened.runs.size() > 1;
   if (opened.runs.size() > 1)
     page["comparison"] =
@@ -225,8 +246,10 @@ json against_page(const Opened& opened, const ReportOptions& options, std::vecto
   const RatingLimits limits = limits_of(options);
   const bool several = opened.runs.size() > 1;
   json page = empty_page(several);
+  PartsDone done(options.progress, opened.runs.size());
   for (std::size_t i = 0; i < opened.runs.size(); ++i) {
     const RunFolder& run = opened.runs[i];
+    done.begin(run.summary.name);
     const Measurement measurement = read_measurement(options.against, channels_of(run), options);
     const std::vector<RatedChannel> rated = rate_against(run, measurement, options);
     for (const RatedChannel& channel : rated)
@@ -278,6 +301,7 @@ std::vector<ChannelVerdict> write_report(const std::vector<std::filesystem::path
   const json page = options.against.empty() ? page_facts(open_folders(folders), options)
                                             : against_page(open_folders(folders), options, verdicts);
   const std::string html = render_page("report", page);
+  if (options.progress && !options.progress({1.0, ""})) throw Interrupted("before the report was whole");
   std::filesystem::path twin = html_file;
   twin.replace_extension(".json");
   write_whole(twin, twin_text(page));

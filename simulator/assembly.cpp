@@ -112,7 +112,7 @@ class Settling {
       }
       if (progress && elapsed > told + 0.02 * total) {
         told = elapsed;
-        if (!progress({elapsed / total, "assembly"})) throw NumericalError("assembly interrupted");
+        if (!progress({elapsed / total, "assembly"})) throw Interrupted("in the assembly");
       }
     }
   }

@@ -104,7 +104,7 @@ TEST(Identify, ReportsTheSensorsZeroItsDriftAndTheTestsGain) {
 
 TEST(Identify, StopsWhenItsCallerAsks) {
   const RigTest test = sine_test(1e-3, 1.0, 5, 200, [](double x, double rate) { return 1e7 * x + 1e4 * rate; });
-  EXPECT_THROW((void)identify(record_of({test}), {}, [](const ProgressReport&) { return false; }), NumericalError);
+  EXPECT_THROW((void)identify(record_of({test}), {}, [](const ProgressReport&) { return false; }), Interrupted);
 }
 
 TEST(Identify, HoldsAMillionSamples) {
