@@ -1,0 +1,221 @@
+"""SHA-256 of every dataset and file that a command writes: the same for repeated runs, for any number of threads, with more or
+less output, stopped and resumed, and whatever the user's surroundings are."""
+
+import contextlib
+import hashlib
+import json
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+import h5py
+
+sys.path.insert(0, os.path.join(os.environ["GROUSER_SOURCE_DIR"], "tests", "pipeline"))
+from command import COMMAND, DATA  # noqa: E402
+from part import main  # noqa: E402
+
+SEED = 20261122
+CLOCK = ("wall_time_s", "assembly_wall_time_s", "real_time_factor")
+QUICK = ["--set", "assembly.settle_time_s=2.6"]
+SCENARIO = os.path.join(DATA, "scenarios/m113.json")
+RIG = os.path.join(DATA, "rig/protocol/rig.json")
+THREADS = (1, 2, 4)
+
+
+def digest(data):
+    return hashlib.sha256(data).hexdigest()
+
+
+def hashes_of_run(folder):
+    """Name -> SHA-256 of every dataset of run.h5, of the file as a whole, and of run.json without what a clock measured."""
+    found = {}
+
+    def keep(name, item):
+        if isinstance(item, h5py.Dataset):
+            value = item[()]
+            raw = repr(value.tolist()).encode() if value.dtype == object else value.tobytes()
+            found[name] = digest(repr((item.shape, str(item.dtype))).encode() + raw)
+
+    with h5py.File(os.path.join(folder, "run.h5"), "r") as file:
+        file.visititems(keep)
+    with open(os.path.join(folder, "run.h5"), "rb") as file:
+        found["run.h5"] = digest(file.read())
+    with open(os.path.join(folder, "run.json"), encoding="utf-8") as file:
+        summary = {key: value for key, value in json.load(file).items() if key not in CLOCK}
+    found["run.json"] = digest(json.dumps(summary).encode())
+    return found
+
+
+def hashes_of_files(folder):
+    found = {}
+    for root, _, names in os.walk(folder):
+        for name in names:
+            path = os.path.join(root, name)
+            with open(path, "rb") as file:
+                found[os.path.relpath(path, folder)] = digest(file.read())
+    return found
+
+
+class Bench:
+    """Runs commands in folders of their own and compares what they leave."""
+
+    def __init__(self, part, folder):
+        self.part, self.folder, self.compared, self.number = part, folder, 0, 0
+
+    def place(self, name="here"):
+        self.number += 1
+        place = os.path.join(self.folder, str(self.number), name)
+        os.makedirs(place)
+        return place
+
+    def run(self, place, *arguments, before=(), **surroundings):
+        done = subprocess.run([*before, COMMAND, *arguments, "--quiet"], cwd=place, capture_output=True, text=True,
+                              env={**os.environ, **surroundings.pop("env", {})}, check=False, **surroundings)
+        if done.returncode != 0:
+            raise AssertionError(f"{' '.join(arguments)} ended with {done.returncode}: {done.stderr}")
+
+    def same(self, what, expected, found, only=None):
+        names = set(expected) | set(found) if only is None else set(only)
+        differing = sorted(name for name in names if expected.get(name) != found.get(name))
+        self.part.require(not differing, f"{what}: {', '.join(differing)} differ")
+        self.part.require(names, f"{what}: nothing was compared")
+        self.compared += len(names)
+
+    def row(self, what):
+        """Ends a table row: the hashes compared since the last one."""
+        self.part.row(what, self.compared, "all equal" if not self.part.failures else "DIFFER")
+        self.compared = 0
+
+
+def drive(seconds):
+    return ["simulate", SCENARIO, "-o", "run", "--set", f"duration_s={seconds}", *QUICK]
+
+
+def simulated(bench, arguments, **options):
+    place = bench.place(options.pop("name", "here"))
+    bench.run(place, *arguments, **options)
+    return hashes_of_run(os.path.join(place, "run"))
+
+
+@contextlib.contextmanager
+def locales(folder):
+    """Locales with a decimal comma and with a dotless i, made here; none where the system has no sources of locales."""
+    made = {}
+    for name in ("de_DE", "tr_TR"):
+        done = subprocess.run(["localedef", "-i", name, "-f", "UTF-8", os.path.join(folder, name + ".UTF-8")],
+                              capture_output=True, check=False) if shutil.which("localedef") else None
+        if done is not None and os.path.exists(os.path.join(folder, name + ".UTF-8", "LC_NUMERIC")):
+            made[name] = {"LOCPATH": folder, "LC_ALL": name + ".UTF-8", "LANG": name + ".UTF-8"}
+    yield made
+
+
+def surroundings(bench, whole, arguments, thorough):
+    """What a user's machine may differ in."""
+    with locales(bench.place("locales")) as made:
+        cases = {f"LC_ALL={name}": {"env": env} for name, env in made.items()}
+        if not made:
+            bench.part.note("No sources of locales on this system: other locales are not tried.")
+        if thorough:
+            cases["TZ"] = {"env": {"TZ": "Asia/Kathmandu"}}
+            cases["umask 077"] = {"umask": 0o077}
+            cases["no address-space randomisation"] = {"before": ("setarch", "-R")}
+            cases["a folder with a blank and an umlaut"] = {"name": "zweiter Läuf"}
+            cases["a small environment"] = {"before": ("env", "-i", "PATH=/usr/bin:/bin")}
+        for name, options in cases.items():
+            bench.same(f"simulate with {name}", whole, simulated(bench, arguments, **options))
+    bench.row("simulate: " + ", ".join(cases))
+
+
+def less_and_more_output(bench, whole, seconds):
+    """The steps do not depend on what is written of them."""
+    steps = [name for name in whole if name.startswith("steps/")]
+    for sets in (["output.rate_Hz=7"], ["output.rate_Hz=1000", "output.probe_rate_Hz=5000"], ["output.probes=[]"]):
+        options = [word for each in sets for word in ("--set", each)]
+        found = simulated(bench, [*drive(seconds), *options])
+        bench.same(f"simulate with {' '.join(sets)}", whole, found, only=steps)
+    bench.row("simulate: step log with sparse, dense and no probe output")
+
+
+def resumed(bench, whole, arguments, seconds, stops):
+    """Stopped by Ctrl-C or SIGKILL at a random time, and resumed."""
+    chance = random.Random(SEED)
+    begun = time.monotonic()
+    bench.run(bench.place(), *arguments)
+    lasts = time.monotonic() - begun
+    for number in range(stops):
+        place = bench.place()
+        how = (signal.SIGINT, signal.SIGKILL)[number % 2]
+        process = subprocess.Popen([COMMAND, *arguments], cwd=place, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        while process.poll() is None and not os.path.exists(os.path.join(place, "run", "checkpoint")):
+            time.sleep(0.005)
+        time.sleep(chance.uniform(0.0, 0.7 * lasts))
+        process.send_signal(how)
+        ended = process.wait()
+        if ended != 0:  # a run that came to its end first is compared as it is
+            bench.run(place, *arguments, "--resume")
+        bench.same(f"simulate stopped by {how.name} ({number}) and resumed", whole, hashes_of_run(os.path.join(place, "run")))
+    bench.row(f"simulate: {stops} runs of {seconds:g} s stopped at random times and resumed")
+
+
+def identified(bench, made):
+    fits = []
+    for threads in THREADS:
+        place = bench.place()
+        bench.run(place, "identify", RIG, "-o", "fit", "--threads", str(threads))
+        fits.append(hashes_of_files(place))
+        bench.same(f"identify --threads {threads}", fits[0], fits[-1])
+    for name, env in made.items():
+        place = bench.place()
+        bench.run(place, "identify", RIG, "-o", "fit", env=env)
+        bench.same(f"identify with LC_ALL={name}", fits[0], hashes_of_files(place))
+    bench.row("identify: 1, 2 and 4 threads, locales: bushing.json, fit.json, report")
+
+
+def shown(bench, arguments, made):
+    """Pictures, films, pages and tables of one run, drawn again with other threads and locales."""
+    run_folder = os.path.join(bench.place(), "run")
+    bench.run(os.path.dirname(run_folder), *arguments)
+    commands = [["render", run_folder, "--film", "film.mp4", "--size", "320x180", "--fps", "10"],
+                ["render", run_folder, "--frames", "-o", "frames", "--size", "160x90", "--fps", "5"],
+                ["plot", run_folder, "--figure", "step_size", "-o", "step_size.svg"],
+                ["plot", run_folder, "--figure", "tension", "-o", "tension.png"],
+                ["export", run_folder, "--format", "csv", "-o", "csv"],
+                ["report", run_folder, "-o", "report.html"]]
+    pictures = []
+    for env in ({}, {"LP_NUM_THREADS": "0"}, {"LP_NUM_THREADS": "2"}, *made.values()):
+        place = bench.place()
+        for command in commands:
+            bench.run(place, *command, env=env)
+        pictures.append(hashes_of_files(place))
+        bench.same(f"pictures and pages with {env}", pictures[0], pictures[-1])
+    bench.row("render, plot, export, report: threads of the rasteriser, locales")
+
+
+def work(part, thorough):
+    seconds = 5.0 if thorough else 1.1
+    with tempfile.TemporaryDirectory() as folder, locales(folder) as made:
+        bench = Bench(part, folder)
+        arguments = drive(seconds)
+        whole = simulated(bench, arguments)
+        part.note(f"{len(whole)} hashes a run: {len(whole) - 2} datasets, run.h5 as a whole, run.json without its three times.")
+        for _ in range(5 if thorough else 1):
+            bench.same("simulate again", whole, simulated(bench, arguments))
+        bench.row("simulate again")
+        for threads in THREADS[1:]:
+            bench.same(f"simulate --threads {threads}", whole, simulated(bench, [*arguments, "--threads", str(threads)]))
+        bench.row("simulate: 2 and 4 threads")
+        surroundings(bench, whole, arguments, thorough)
+        less_and_more_output(bench, whole, seconds)
+        resumed(bench, whole, arguments, seconds, 12 if thorough else 2)
+        shown(bench, drive(0.3), made)
+        if thorough:
+            identified(bench, made)
+
+
+if __name__ == "__main__":
+    main("hashes", "The same input gives the same bytes", work)

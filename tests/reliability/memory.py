@@ -1,0 +1,81 @@
+"""Memory of a long run: what the process holds at a quarter, at half and at the end of it, and what its checkpoint holds. The long
+form is an hour of driving."""
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+
+sys.path.insert(0, os.path.join(os.environ["GROUSER_SOURCE_DIR"], "tests", "pipeline"))
+from command import COMMAND, DATA  # noqa: E402
+from part import main  # noqa: E402
+
+SETTLE = ["assembly.settle_time_s=3"]
+# Name -> scenario, what is set besides the duration. The tables are given in shares of the duration.
+DRIVES = {
+    "11 km/h, sparse output": ("run_a", ["output.rate_Hz=1", "output.probe_rate_Hz=10"], ("[0, 10, {0}, {1}]", "[0, 10, 10, 0]")),
+    "parked, full output": ("parked", [], None),
+}
+MOST_GROWTH = 4 << 20  # B from a quarter to the end: HDF5's index takes some 60 B a chunk, 3 MB in an hour of full output
+
+
+def memory_of(process):
+    """Resident set [B]; None once it has ended."""
+    with open(f"/proc/{process.pid}/status", encoding="utf-8") as file:
+        for line in file:
+            if line.startswith("VmRSS:"):
+                return int(line.split()[1]) << 10
+    return None
+
+
+def size_of(path):
+    return os.path.getsize(path) if os.path.exists(path) else 0
+
+
+def follow(process, folder):
+    """(resident set, size of the checkpoint) from the first checkpoint to the end."""
+    seen = []
+    while process.poll() is None:
+        checkpoint = size_of(os.path.join(folder, "checkpoint"))
+        memory = memory_of(process)
+        if checkpoint and memory:
+            seen.append((memory, checkpoint))
+        time.sleep(0.05)
+    return seen
+
+
+def drive(part, name, duration):
+    scenario, sets, table = DRIVES[name]
+    sets = [*sets, *SETTLE, f"duration_s={duration}"]
+    if table:
+        times, speeds = table
+        for side in ("left", "right"):
+            sets += [f"drive.{side}.time_s={times.format(duration - 10, duration)}", f"drive.{side}.speed_rad_per_s={speeds}"]
+    with tempfile.TemporaryDirectory() as folder:
+        process = subprocess.Popen([COMMAND, "simulate", os.path.join(DATA, "scenarios", scenario + ".json"), "-o", "run", "--quiet",
+                                    *(word for each in sets for word in ("--set", each))],
+                                   cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        seen = follow(process, os.path.join(folder, "run"))
+        part.require(process.returncode == 0, f"{name}: ended with {process.returncode}: {process.stderr.read()}")
+        part.require(len(seen) >= 8, f"{name}: looked at {len(seen)} times only")
+        quarter, half, last = seen[len(seen) // 4], seen[len(seen) // 2], seen[-1]
+        part.require(last[0] - quarter[0] < MOST_GROWTH, f"{name}: grew from {quarter[0]} to {last[0]} B")
+        part.require(last[1] - quarter[1] < 1 << 18, f"{name}: its checkpoint grew from {quarter[1]} to {last[1]} B")
+        part.row(f"{duration} s, {name}", len(seen),
+                 "resident MB at a quarter, half, the end: " + ", ".join(f"{memory / 1e6:.1f}" for memory, _ in (quarter, half, last)) +
+                 f"; checkpoint {last[1] / 1e6:.2f} MB, run.h5 {size_of(os.path.join(folder, 'run/run.h5')) / 1e6:.0f} MB")
+
+
+def work(part, thorough):
+    if thorough:
+        drive(part, "11 km/h, sparse output", 3600)
+        drive(part, "parked, full output", 600)
+    else:
+        drive(part, "11 km/h, sparse output", 30)
+    part.note("A step takes nothing from the heap: Memory.AStepOfDoublePinsTakesNothingFromTheHeap and Vehicle.AStepTakesNothingFromTheHeap "
+              "(tests/simulator) count the calls.")
+
+
+if __name__ == "__main__":
+    main("memory", "Memory of a long run", work)
