@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -6,11 +7,13 @@
 #include <system_error>
 
 #include "model/errors.h"
+#include "model/folder_lock.h"
+#include "model/provenance.h"
+#include "model/replace_file.h"
 #include "render/film_encoder.h"
 #include "render/film_reader.h"
-#include "render/film_store.h"
 #include "render/frame_maker.h"
-#include "render/frame_store.h"
+#include "render/part_store.h"
 
 namespace grouser {
 namespace {
@@ -29,9 +32,7 @@ class TemporaryFile {
   TemporaryFile& operator=(const TemporaryFile&) = delete;
   [[nodiscard]] const fs::path& path() const { return path_; }
   void keep_as(const fs::path& file) {
-    std::error_code error;
-    fs::rename(path_, file, error);
-    if (error) throw FileError("cannot write " + file.string() + ": " + error.message());
+    replace_file(path_, file);
     kept_ = true;
   }
 
@@ -89,6 +90,21 @@ void check_film(const fs::path& file, const FrameTimes& times, const RenderOptio
   if (count != times.count) fail(fmt::format("{} frames of {}", count, times.count));
 }
 
+constexpr PartNames k_frames{"frame_", 6, ".png", ".frames"}, k_stretches{"stretch_", 4, ".mp4", "done"};
+constexpr int k_png_level = 1;  // of 9: half the time of a frame is not worth a fifth of its size
+
+/// What frames are made of: equal digests give equal frames.
+std::string digest_of(const std::string& mark, const RenderOptions& options) {
+  std::string text = fmt::format("{} {}\n{}x{} {} {} {} {}\n", program_version(), mark, options.width, options.height,
+                                 options.fps, options.speed, options.camera, fmt::join(options.overlays, ","));
+  if (options.view) {
+    const CameraView& view = *options.view;
+    text += fmt::format("{} {} {} {} {}\n", static_cast<int>(view.mount), fmt::join(view.eye, " "),
+                        fmt::join(view.target, " "), view.field_of_view, view.height.value_or(0.0));
+  }
+  return sha256_of(text);
+}
+
 constexpr int k_stretch = 60;  ///< frames that are encoded together; a stopped film loses fewer
 
 /// Draws and encodes the frames [first, last); false when stopped. A frame is encoded while the next one is drawn.
@@ -111,11 +127,14 @@ bool film_stretch(SplitScreen& screen, const FrameTimes& times, int first, int l
 int render_frames(const Runs& runs, const fs::path& folder, const RenderOptions& options, const Progress& progress) {
   SplitScreen screen(runs, options, 1);
   const FrameTimes times(screen, options);
-  FrameStore store(folder, frames_digest(runs, options));
+  PartStore store(folder, k_frames, digest_of(film_mark(runs), options));
   for (int frame = store.done(); frame < times.count; ++frame) {
     if (!keep_going(progress, times, frame)) return frame;
-    store.add(screen.at(times.at(frame)));
+    const std::vector<std::uint8_t> png = encode_png(screen.at(times.at(frame)), k_png_level);
+    write_whole(store.next(), {reinterpret_cast<const char*>(png.data()), png.size()});
+    store.add();
   }
+  store.cut(times.count);
   keep_going(progress, times, times.count);
   return times.count;
 }
@@ -123,16 +142,23 @@ int render_frames(const Runs& runs, const fs::path& folder, const RenderOptions&
 int render_film(const Runs& runs, const fs::path& file, const RenderOptions& options, const Progress& progress) {
   SplitScreen screen(runs, options, 1);
   const FrameTimes times(screen, options);
-  const std::string hidden = "." + file.stem().string();
-  FilmStore store(file.parent_path() / (hidden + ".stretches"), frames_digest(runs, options));
+  const std::string hidden = "." + file.stem().string(), mark = film_mark(runs);
+  PartStore store(file.parent_path() / (hidden + ".stretches"), k_stretches, digest_of(mark, options));
+  const FolderLock lock(store.folder(), "film");
   for (int first = store.done() * k_stretch; first < times.count; first += k_stretch) {
     FilmEncoder encoder(store.next(), options.width, options.height, options.fps);
     if (!film_stretch(screen, times, first, std::min(first + k_stretch, times.count), encoder, progress)) return 0;
+    sync_file(store.next());
     store.add();
   }
   TemporaryFile partial(file.parent_path() / (hidden + ".partial.mp4"));
-  join_films(store.stretches(), partial.path());
-  check_film(partial.path(), times, options);
+  join_films(store.files(), partial.path(), mark);
+  try {
+    check_film(partial.path(), times, options);
+  } catch (const FileError&) {
+    store.remove();  // a stretch is damaged: the next try begins anew
+    throw;
+  }
   partial.keep_as(file);
   store.remove();
   keep_going(progress, times, times.count);

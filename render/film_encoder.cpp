@@ -35,6 +35,9 @@ class Mp4Writer {
   Mp4Writer(const Mp4Writer&) = delete;
   Mp4Writer& operator=(const Mp4Writer&) = delete;
 
+  void describe(const std::string& comment) {
+    checked(av_dict_set(&context_->metadata, "comment", comment.c_str(), 0), file_);
+  }
   [[nodiscard]] AVStream& stream() { return *made(stream_, file_); }
   void begin() {
     checked(avio_open(&context_->pb, av_file_url(file_).c_str(), AVIO_FLAG_WRITE), file_);
@@ -149,8 +152,9 @@ void FilmEncoder::finish() {
   impl_->out.finish();
 }
 
-void join_films(const std::vector<fs::path>& stretches, const fs::path& file) {
+void join_films(const std::vector<fs::path>& stretches, const fs::path& file, const std::string& comment) {
   Mp4Writer out(file);
+  out.describe(comment);
   const AvPacketHandle packet(made(av_packet_alloc(), file));
   std::int64_t start = 0;  // of a stretch, in the time base of the result
   for (const fs::path& stretch : stretches) {

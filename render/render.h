@@ -44,6 +44,11 @@ int render_frames(const Runs& runs, const std::filesystem::path& folder, const R
 int render_film(const Runs& runs, const std::filesystem::path& file, const RenderOptions& options = {},
                 const Progress& progress = {});
 
+/// Stands as text in every film that render_film makes of these runs: a digest of what their pictures show, whatever
+/// the camera. Wherever a film was copied to, and when, this tells whether it shows a run as it is now.
+[[nodiscard]] std::string film_mark(const Runs& runs);
+[[nodiscard]] inline std::string film_mark(const RunFolder& run) { return film_mark(Runs{&run}); }
+
 [[nodiscard]] inline Image render_still(const RunFolder& run, double time, const RenderOptions& options = {}) {
   return render_still(Runs{&run}, time, options);
 }

@@ -168,20 +168,14 @@ json section_facts(const RunFolder& run, const std::string& id) {
   return sections;
 }
 
-/// A film older than the channels shows an earlier run of the folder.
-bool film_belongs(const RunFolder& run) {
-  std::error_code error;
-  const auto filmed = std::filesystem::last_write_time(run.path / "film.mp4", error);
-  if (error) return false;
-  const auto recorded = std::filesystem::last_write_time(run.path / "run.h5", error);
-  return !error && filmed >= recorded;
-}
-
+/// A film of an earlier run of the folder does not bear this one's mark.
 json film_facts(const RunFolder& run) {
   const std::filesystem::path film = run.path / "film.mp4";
   std::error_code error;
-  if (!std::filesystem::is_regular_file(film, error) || !film_belongs(run)) return false;
-  return {{"payload_mp4", base64(read_whole(film))},
+  if (!std::filesystem::is_regular_file(film, error)) return false;
+  const std::string bytes = read_whole(film);
+  if (bytes.find(film_mark(run)) == std::string::npos) return false;
+  return {{"payload_mp4", base64(bytes)},
           {"caption", "The run as rendered headless, frame by frame. Every tenth link is amber, probe links are red."}};
 }
 

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "model/provenance.h"
+#include "render/render.h"
 #include "reports/assets.h"
 #include "reports/report.h"
 #include "tests/support/mock_run.h"
@@ -60,7 +61,7 @@ TEST_F(Browser, RunReportWorks) {
 
 TEST_F(Browser, TheFilmStandsInWhereThereIsNoWebGl) {
   mock::write_run(folder_ / "run");
-  write_whole(folder_ / "run/film.mp4", "what it shows is not looked at");
+  write_whole(folder_ / "run/film.mp4", "what it shows is not looked at, " + film_mark(open_run(folder_ / "run")));
   expect_good({"run"}, true);
 }
 

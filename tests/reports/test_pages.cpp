@@ -9,6 +9,7 @@
 #include "model/errors.h"
 #include "model/fit.h"
 #include "model/provenance.h"
+#include "render/render.h"
 #include "reports/assets.h"
 #include "reports/remedies.h"
 #include "reports/report.h"
@@ -148,7 +149,7 @@ TEST_F(Pages, ARunIsToldInTheOrderInWhichItIsJudged) {
 }
 
 TEST_F(Pages, CommandsRepeatTheRunInTheFolderThatItWasAskedFor) {
-  std::ofstream(folder_ / "run_a" / "film.mp4") << "film";
+  std::ofstream(folder_ / "run_a" / "film.mp4") << film_mark(open_run(folder_ / "run_a"));
   report({"run_a"});
   EXPECT_EQ(twin()["runs"][0]["provenance"]["commands"],
             nlohmann::json({"grouser simulate scenarios/mock.json -o mock", "grouser render mock --film mock/film.mp4",
@@ -477,12 +478,17 @@ TEST_F(Pages, RunsOfOneNameAreToldApartByTheirFolders) {
   EXPECT_THAT(text, HasSubstr("Run A · run_c"));
 }
 
-TEST_F(Pages, AFilmOlderThanTheRunIsNotShown) {
-  const std::filesystem::path film = folder_ / "run_a" / "film.mp4", channels = folder_ / "run_a" / "run.h5";
-  std::ofstream(film) << "film";
-  std::filesystem::last_write_time(film, std::filesystem::last_write_time(channels) + std::chrono::seconds(5));
+TEST_F(Pages, AFilmOfTheRunIsShownWhereverItWasCopied) {
+  std::ofstream(folder_ / "run_a" / "film.mp4") << "film " << film_mark(open_run(folder_ / "run_a")) << " film";
   EXPECT_THAT(report({"run_a"}), HasSubstr("video/mp4"));
-  std::filesystem::last_write_time(film, std::filesystem::last_write_time(channels) - std::chrono::seconds(5));
+  std::filesystem::copy(folder_ / "run_a", folder_ / "copy", std::filesystem::copy_options::recursive);
+  const std::filesystem::path film = folder_ / "copy" / "film.mp4", channels = folder_ / "copy" / "run.h5";
+  std::filesystem::last_write_time(film, std::filesystem::last_write_time(channels) - std::chrono::hours(5));
+  EXPECT_THAT(report({"copy"}), HasSubstr("video/mp4"));
+}
+
+TEST_F(Pages, AFilmOfAnotherRunIsNotShown) {
+  std::ofstream(folder_ / "run_a" / "film.mp4") << "film " << film_mark(open_run(folder_ / "run_b"));
   EXPECT_THAT(report({"run_a"}), Not(HasSubstr("video/mp4")));
 }
 
