@@ -34,18 +34,24 @@ class Hdf5Handle {
   Close close_ = nullptr;
 };
 
-/// HDF5 prints its error stack by default; ours are exceptions.
-inline void silence_hdf5() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+/// Call before anything else of HDF5, in every thread that uses it. It prints its error stack by default; ours are
+/// exceptions. And at the end of a process it would close once more, and crash on, a file that a full disk kept it from
+/// closing.
+inline void silence_hdf5() {
+  H5dont_atexit();
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
 
-/// A run that was killed, or still runs, is marked as open for writing: such a file is opened as one with a writer.
+/// As a file with a writer first: after a kill amid a flush its tables point beyond the length that the file states,
+/// where HDF5 reads in this mode only. A file that was written otherwise is opened plainly.
 [[nodiscard]] inline Hdf5Handle open_hdf5(const std::filesystem::path& file) {
-  Hdf5Handle opened(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-  if (opened) return opened;
   // HDF5 tries again where a checksum is wrong, for a writer may be at work, and waits twice as long each time: 20
   // times are 1 ms, the 100 of its default never end.
   const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_metadata_read_attempts(access.id(), 20);
-  return {H5Fopen(file.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, access.id()), H5Fclose};
+  Hdf5Handle opened(H5Fopen(file.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, access.id()), H5Fclose);
+  if (!opened) opened = Hdf5Handle(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  return opened;
 }
 
 /// Type of a text in memory: UTF-8 of any length.
