@@ -1,0 +1,182 @@
+"""Kills the commands of the pipeline with SIGKILL, at random times and at every call that changes a file, and looks at
+what is left: each file is the old one or the new one, and the next command ends as if nothing had happened."""
+
+import argparse
+import json
+import os
+import shutil
+import signal
+import sys
+import tempfile
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+import injection
+from injection import DATA, finish, must, run, seeded, spread, stages, start, told
+
+SEED = 20261122
+CHANGES = "wsnc"  # writes, syncs, names, creations
+
+
+def after(stage, folder, what):
+    """What is wrong behind a kill: nothing, or one text."""
+    wrong = stage.torn(folder) + stage.recover(folder)
+    shutil.rmtree(folder)
+    return [f"{stage.name}, {what}: {'; '.join(wrong[:4])}" + (f" and {len(wrong) - 4} more" if wrong[4:] else "")
+            ] if wrong else []
+
+
+def killed_at(arguments, folder, delay):
+    """True when the command still lived."""
+    process = start(arguments, folder)
+    time.sleep(delay)
+    process.kill()
+    return process.wait() == -signal.SIGKILL
+
+
+def kill_at_random(stage, number):
+    """One trial; a run is also killed while it is resumed. Returns the kills and what is wrong."""
+    chance = seeded(f"{SEED} {stage.name} {number}")
+    folder = stage.trial(f"random_{number}")
+    delays = [chance.uniform(0.0, 1.05 * stage.duration)]
+    kills = killed_at(stage.arguments, folder, delays[0])
+    while stage.resumed and chance.random() < 0.5:
+        delays.append(chance.uniform(0.0, stage.duration))
+        kills += killed_at([*stage.arguments, "--resume"], folder, delays[-1])
+    return kills, after(stage, folder, "killed after " + " and ".join(f"{delay:.3f} s" for delay in delays))
+
+
+def kill_at_call(stage, number, lines, do):
+    """One trial: killed before a call, or amid it."""
+    folder = stage.trial(f"call_{number}_{do}")
+    done = run(stage.arguments, folder, injection.environment(under=folder, calls=CHANGES, at=number, do=do))
+    line = lines[number - 1].split(" ", 2)
+    what = f"{'killed before' if do == 'kill' else 'killed amid'} call {number} ({line[1]} {os.path.basename(line[2])})"
+    # Threads may make a call more or less than when they were counted.
+    return done.returncode == -signal.SIGKILL, after(stage, folder, what)
+
+
+def unfinished(folder):
+    """Files that are not whole, by their last bytes or by reading them."""
+    wrong = []
+    for root, _, names in os.walk(folder):
+        for name in names:
+            path = os.path.join(root, name)
+            if injection.is_temporary(os.path.relpath(path, folder)):
+                continue
+            try:
+                if name.endswith(".json"):
+                    json.loads(injection.read(path))
+                elif name.endswith(".h5"):
+                    injection.digest_of_channels(path)
+                elif name.endswith((".html", ".png", ".mp4")):
+                    end = {"html": b"</html>", "png": b"IEND", "mp4": b"grouser film of"}[name.rsplit(".", 1)[1]]
+                    if end not in injection.read(path):
+                        wrong.append(f"{os.path.relpath(path, folder)} is cut short")
+            except (OSError, ValueError) as error:
+                wrong.append(f"{os.path.relpath(path, folder)} cannot be read: {error}")
+    return wrong
+
+
+def short_data(folder):
+    """test_data whose runs take a fifth of a second."""
+    for name in ("rig", "vehicles", "bushings"):
+        os.symlink(os.path.join(DATA, name), os.path.join(folder, name))
+    os.mkdir(os.path.join(folder, "scenarios"))
+    for name in ("run_a.json", "run_b.json"):
+        with open(os.path.join(DATA, "scenarios", name), encoding="utf-8") as file:
+            scenario = json.load(file)
+        scenario["duration_s"] = 0.2
+        with open(os.path.join(folder, "scenarios", name), "w", encoding="utf-8") as file:
+            json.dump(scenario, file)
+    return folder
+
+
+def end_all(process):
+    """The command and the processes that it started, at once: what a loss of power does."""
+    try:
+        with open(f"/proc/{process.pid}/task/{process.pid}/children", encoding="utf-8") as file:
+            children = [int(child) for child in file.read().split()]
+    except FileNotFoundError:
+        children = []
+    alive = process.poll() is None
+    process.kill()
+    for child in children:
+        try:
+            os.kill(child, signal.SIGKILL)
+        except ProcessLookupError:
+            pass
+    process.wait()
+    return alive
+
+
+def kill_demo(home, more, kills):
+    """`demo` is killed again and again in one folder, then left alone. Returns the kills and what is wrong."""
+    name = "demo" + "".join(more)
+    data = os.path.join(home, name + "_data")
+    os.mkdir(data)
+    arguments = ["demo", *more, "-o", "out", "--data", short_data(data)]
+    whole, folder = os.path.join(home, name + "_whole"), os.path.join(home, name)
+    os.mkdir(whole)
+    os.mkdir(folder)
+    begun = time.monotonic()
+    must(arguments, whole)
+    duration = time.monotonic() - begun
+    chance, hit, wrong = seeded(f"{SEED} {name}"), 0, []
+    for _ in range(kills):
+        process = start(arguments, folder)
+        time.sleep(chance.uniform(0.0, duration))
+        hit += end_all(process)
+        wrong += [f"{name}: {fault}" for fault in unfinished(os.path.join(folder, "out"))]
+    must(arguments, folder)
+    wrong += [f"{name}: {fault}" for fault in unfinished(os.path.join(folder, "out"))]
+    left = {os.path.relpath(os.path.join(root, file), folder) for root, _, files in os.walk(folder) for file in files}
+    asked = {os.path.relpath(os.path.join(root, file), whole) for root, _, files in os.walk(whole) for file in files}
+    wrong += [f"{name}: {path} is litter, or missing" for path in sorted(left ^ asked)]
+    return hit, wrong
+
+
+def row(rows, what, jobs, failures):
+    """Adds up trials."""
+    hit, wrong = sum(job.result()[0] for job in jobs), told([fault for job in jobs for fault in job.result()[1]])
+    rows.append({"what": what, "count": hit, "result": f"{len(wrong)} losses"})
+    failures += wrong
+    return hit
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--thorough", action="store_true", help="the long form")
+    parser.add_argument("--only", metavar="STAGE", help="one stage of the pipeline")
+    parser.add_argument("-o", metavar="FILE.json", dest="output")
+    options = parser.parse_args()
+    random_kills, calls, demo_kills = (21, 12, 6) if options.thorough else (2, 1, 0)
+    rows, failures, random_total = [], [], 0
+    with tempfile.TemporaryDirectory() as home, ThreadPoolExecutor(2) as workers:
+        chosen = [stage for stage in stages(home) if options.only in (None, stage.name)]
+        for stage in chosen:
+            stage.prepare(home)
+            lines = stage.count_calls(CHANGES)
+            chance = seeded(f"{SEED} calls {stage.name}")
+            jobs = [workers.submit(kill_at_random, stage, number) for number in range(random_kills)]
+            at_calls = [workers.submit(kill_at_call, stage, number, lines, do) for do in ("kill", "half")
+                        for number in spread(len(lines), calls, chance)]
+            hit = row(rows, f"{stage.name}: kills at random times", jobs, failures)
+            row(rows, f"{stage.name}: kills before and amid calls that change files, of {len(lines)} calls", at_calls,
+                failures)
+            random_total += hit
+            shutil.rmtree(stage.home)
+        for more in ([], ["--study", "stiffness"]) if demo_kills and not options.only else []:
+            hit, wrong = kill_demo(home, more, demo_kills)
+            random_total += hit
+            rows.append({"what": " ".join(["demo", *more]) + ": kills of all its processes at random times", "count": hit,
+                         "result": f"{len(wrong)} losses"})
+            failures += told(wrong)
+    rows.insert(0, {"what": "kills at random times, together", "count": random_total, "result": f"{len(failures)} losses"})
+    notes = ["A loss is a file that is neither the old one nor the new one, a run that --resume does not take to the "
+             "same bytes in every dataset and the same summary, or a temporary file that the next command leaves."]
+    sys.exit(finish("kills", "Killed at any moment", rows, notes, failures, options.output))
+
+
+if __name__ == "__main__":
+    main()
