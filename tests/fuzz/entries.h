@@ -14,7 +14,8 @@ void json_entry(std::string_view input);
 void csv_entry(std::string_view input);
 /// run.h5: every dataset with its columns.
 void hdf5_entry(std::string_view input);
-/// fit.json, replay.json or run.json of a folder over which a report is written. Throws std::logic_error when the page
+/// fit.json or replay.json of a folder over which a report is written (a run's page is left to
+/// tests/reliability/pages.py: it draws stills, seconds each under sanitizers). Throws std::logic_error when the page
 /// holds the corpus' canary, an element of no page.
 void report_entry(std::string_view input);
 
