@@ -10,8 +10,8 @@ namespace {
 
 namespace d = dimension;
 
-// No vehicle has a fifth of it; a slip of the keyboard must not ask for all memory, and the search for links near a wheel
-// counts 64 blocks of eight (simulator/contacts.h).
+// No vehicle has a fifth of it; a slip of the keyboard must not ask for all memory, and the search for links near a
+// wheel counts 64 blocks of eight (simulator/contacts.h).
 constexpr long k_most_links = 500, k_most_teeth = 200;
 
 enum class BodyKind { massive, at_own_origin };
