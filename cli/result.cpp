@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <iostream>
 #include <new>
-#include <system_error>
 
 #include "model/errors.h"
 
@@ -53,7 +52,7 @@ Result guard(Console& console, const std::function<Result()>& work) {
     return failure(console, ExitCode::file_failure, error.what());
   } catch (const std::bad_alloc&) {
     return failure(console, ExitCode::file_failure, "out of memory: the system gave no more");
-  } catch (const std::system_error& error) {  // no more threads
+  } catch (const std::exception& error) {  // no more threads, or a library that was given too little
     return failure(console, ExitCode::file_failure, error.what());
   }
 }

@@ -1,9 +1,11 @@
 #include "render/gl_context.h"
 
 #include <GL/osmesa.h>
+#include <sys/mman.h>
 
 #include <array>
 #include <cstdint>
+#include <new>
 
 namespace grouser {
 
@@ -39,7 +41,21 @@ struct GlContext::Impl {
   }
 };
 
+namespace {
+
+/// Mesa and LLVM take memory without looking whether they got it, and crash; what they need is asked for before.
+void require_memory() {
+  constexpr std::size_t k_needed = std::size_t{768} << 20;  // address space, measured for pictures up to 1280 x 720
+  void* const room =
+      mmap(nullptr, k_needed, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (room == MAP_FAILED) throw std::bad_alloc();
+  munmap(room, k_needed);
+}
+
+}  // namespace
+
 GlContext::GlContext() : impl_(std::make_unique<Impl>()) {
+  require_memory();
   const std::array<int, 11> attributes{OSMESA_FORMAT,
                                        OSMESA_RGBA,
                                        OSMESA_DEPTH_BITS,
