@@ -51,8 +51,9 @@ TEST_P(Interrupted, AssemblyLeavesNoRunBehind) {
   EXPECT_FALSE(fs::exists(folder / "run" / "run.json"));
 }
 
-INSTANTIATE_TEST_SUITE_P(BySignal, Interrupted, ::testing::Values(SIGINT, SIGTERM),
-                         [](const auto& which) { return which.param == SIGINT ? "Sigint" : "Sigterm"; });
+INSTANTIATE_TEST_SUITE_P(BySignal, Interrupted, ::testing::Values(SIGINT, SIGTERM, SIGHUP), [](const auto& which) {
+  return which.param == SIGINT ? "Sigint" : which.param == SIGTERM ? "Sigterm" : "Sighup";
+});
 
 TEST(Progress, IsALineEveryTenthWhereThereIsNoTerminal) {
   const TemporaryFolder folder;
