@@ -1,8 +1,10 @@
-// Stands between a program and the C library (LD_PRELOAD) and injects a fault into its N-th call on files below a folder.
+// Stands between a program and the C library (LD_PRELOAD) and injects a fault into its N-th call on files below a
+// folder.
 //   GROUSER_FAULT_UNDER  the folder, absolute
 //   GROUSER_FAULT_CALLS  which calls count: w rite, s ync, n ame (rename, remove, make a folder), c reate, r ead
 //   GROUSER_FAULT_AT     N, from 1; no fault without it
-//   GROUSER_FAULT_DO     kill | half (do half of a write, or all of another call, then kill) | stop (SIGSTOP before it) |
+//   GROUSER_FAULT_DO     kill | half (do half of a write, or all of another call, then kill) | stop (SIGSTOP before it)
+//   |
 //                        number of an error, once | the same with + behind it: from there on
 //   GROUSER_FAULT_LOG    a line is appended to this file for every call that counts
 //   GROUSER_FAULT_CLOCK  the time of day runs backwards, an hour a look
@@ -92,18 +94,18 @@ static enum Verdict judge_open_file(char kind, int descriptor) {
   return judge(kind, path);
 }
 
-#define REAL(name) \
+#define REAL(name)               \
   static __typeof__(name)* real; \
   if (real == NULL) real = (__typeof__(name)*)dlsym(RTLD_NEXT, #name)
 
-#define JUDGED(verdict, call, half_call)        \
-  const enum Verdict judged = (verdict);        \
-  if (judged == refuse) return -1;              \
-  if (judged == then_die) {                     \
-    const long ignored = (long)(half_call);     \
-    (void)ignored;                              \
-    die();                                      \
-  }                                             \
+#define JUDGED(verdict, call, half_call)    \
+  const enum Verdict judged = (verdict);    \
+  if (judged == refuse) return -1;          \
+  if (judged == then_die) {                 \
+    const long ignored = (long)(half_call); \
+    (void)ignored;                          \
+    die();                                  \
+  }                                         \
   return call
 
 ssize_t write(int to, const void* bytes, size_t size) {
@@ -174,26 +176,26 @@ ssize_t pread64(int from, void* bytes, size_t size, off64_t where) {
 
 static char kind_of(int flags) { return flags & O_CREAT ? 'c' : 'r'; }
 
-#define OPENED(name)                                                        \
-  int name(const char* path, int flags, ...) {                              \
-    REAL(name);                                                             \
-    va_list rest;                                                           \
-    va_start(rest, flags);                                                  \
-    const mode_t mode = va_arg(rest, mode_t);                               \
-    va_end(rest);                                                           \
+#define OPENED(name)                                                                       \
+  int name(const char* path, int flags, ...) {                                             \
+    REAL(name);                                                                            \
+    va_list rest;                                                                          \
+    va_start(rest, flags);                                                                 \
+    const mode_t mode = va_arg(rest, mode_t);                                              \
+    va_end(rest);                                                                          \
     JUDGED(judge(kind_of(flags), path), real(path, flags, mode), real(path, flags, mode)); \
   }
 OPENED(open)
 OPENED(open64)
 
-#define FILE_OPENED(name)                                                                                            \
-  FILE* name(const char* path, const char* mode) {                                                                   \
-    REAL(name);                                                                                                      \
-    const enum Verdict judged = judge(strchr(mode, 'w') || strchr(mode, 'a') ? 'c' : 'r', path);                     \
-    if (judged == refuse) return NULL;                                                                               \
-    FILE* opened = real(path, mode);                                                                                 \
-    if (judged == then_die) die();                                                                                   \
-    return opened;                                                                                                   \
+#define FILE_OPENED(name)                                                                        \
+  FILE* name(const char* path, const char* mode) {                                               \
+    REAL(name);                                                                                  \
+    const enum Verdict judged = judge(strchr(mode, 'w') || strchr(mode, 'a') ? 'c' : 'r', path); \
+    if (judged == refuse) return NULL;                                                           \
+    FILE* opened = real(path, mode);                                                             \
+    if (judged == then_die) die();                                                               \
+    return opened;                                                                               \
   }
 FILE_OPENED(fopen)
 FILE_OPENED(fopen64)
