@@ -119,7 +119,7 @@ def run_channels(part):
 
 def mutations(content, random_source):
     """One way to spoil bytes."""
-    kind = random_source.choice(("cut", "flip", "flip", "flip", "splice", "zero", "insert"))
+    kind = random_source.choice(("cut", "flip", "flip", "digit", "digit", "splice", "zero", "insert"))
     data = bytearray(content)
     at = random_source.randrange(len(data))
     if kind == "cut":
@@ -127,6 +127,10 @@ def mutations(content, random_source):
     if kind == "flip":
         for _ in range(random_source.choice((1, 1, 2, 8))):
             data[random_source.randrange(len(data))] ^= 1 << random_source.randrange(8)
+    elif kind == "digit":
+        places = [i for i, byte in enumerate(data) if byte in b"0123456789"]
+        if places:
+            data[random_source.choice(places)] = random_source.choice(b"0123456789-.e")
     elif kind == "splice":
         other = random_source.randrange(len(data))
         data[at:at] = data[other:other + random_source.randrange(1, 200)]
