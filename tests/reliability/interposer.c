@@ -89,7 +89,7 @@ static enum Verdict judge_open_file(char kind, int descriptor) {
   if (calls == NULL || strchr(calls, kind) == NULL) return pass;
   snprintf(link, sizeof link, "/proc/self/fd/%d", descriptor);
   const ssize_t length = readlink(link, path, sizeof path - 1);
-  if (length < 0) return pass;
+  if (length < 0 || path[0] != '/') return pass;  // pipes have no path
   path[length] = 0;
   return judge(kind, path);
 }
