@@ -24,7 +24,7 @@ first loss, crash or difference. The suite runs each part in a short form; this 
 tests/reliability/page.py --run build/release
 ```
 
-runs all of them, a few hours on two cores, and writes this page again. One alone: the command under its heading, with
+runs all of them and writes this page again (sanitizers need `.ci/run asan tsan` before). One alone: the command under its heading, with
 `GROUSER_SOURCE_DIR=$PWD GROUSER_COMMAND=$PWD/build/release/grouser` set.
 """
 
