@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <stdexcept>
-
 #include "model/errors.h"
 #include "model/provenance.h"
 
@@ -50,16 +48,21 @@ CheckpointIdentity identity_of(const Scenario& scenario) {
 }
 
 void CheckpointReader::bytes(void* to, std::size_t size) {
-  if (size > payload_.size() - at_) throw std::out_of_range("checkpoint ends too early");
+  if (size > payload_.size() - at_) refuse("all parts of a run", "an end before the last of them");
   std::memcpy(to, payload_.data() + at_, size);
   at_ += size;
 }
 
-std::size_t CheckpointReader::size(std::size_t) {
+std::size_t CheckpointReader::size(std::size_t now) {
   std::uint64_t stored = 0;
   bytes(&stored, sizeof stored);
-  if (stored > payload_.size()) throw std::out_of_range("checkpoint names an impossible size");
+  if (now > 0 && stored != now) refuse(fmt::format("{} numbers, as the vehicle has them", now), fmt::to_string(stored));
+  if (stored > payload_.size()) refuse("all parts of a run", fmt::format("one of {} numbers", stored));
   return stored;
+}
+
+void CheckpointReader::refuse(const std::string& expected, const std::string& found) const {
+  throw InputError(InputFinding{file_.string(), "", expected, found, "start the run without --resume"});
 }
 
 void write_checkpoint(const std::filesystem::path& folder, const CheckpointIdentity& identity,
@@ -82,7 +85,7 @@ CheckpointReader read_checkpoint(const std::filesystem::path& folder, const Chec
     refuse(folder, "", "bytes that fit their checksum", "others: cut short or damaged",
            "start the run without --resume");
   }
-  CheckpointReader reader(payload);
+  CheckpointReader reader(payload, file_in(folder));
   CheckpointIdentity stored;
   reader(stored);
   compare(folder, identity, stored);

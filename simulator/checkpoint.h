@@ -50,17 +50,25 @@ class CheckpointWriter {
 /// Hands a checkpoint's parts out again, in the order in which they were written.
 class CheckpointReader {
  public:
-  explicit CheckpointReader(std::string payload) : payload_(std::move(payload)) {}
+  /// `file`: where the payload was read from, for messages.
+  CheckpointReader(std::string payload, std::filesystem::path file)
+      : payload_(std::move(payload)), file_(std::move(file)) {}
   template <typename... Parts>
   void operator()(Parts&... parts) {
     (archive(*this, parts), ...);
   }
-  void bytes(void* to, std::size_t size);  ///< throws std::out_of_range behind the end
+  /// Throws InputError behind the end.
+  void bytes(void* to, std::size_t size);
+  /// The size that was stored. What has a size already belongs to a vehicle and keeps it: InputError where the stored
+  /// one differs.
   std::size_t size(std::size_t now);
   [[nodiscard]] bool at_end() const { return at_ == payload_.size(); }
 
  private:
+  [[noreturn]] void refuse(const std::string& expected, const std::string& found) const;
+
   std::string payload_;
+  std::filesystem::path file_;
   std::size_t at_ = 0;
 };
 
@@ -116,9 +124,6 @@ void archive(Archive& a, Eigen::VectorXd& v) {
 
 template <typename Archive>
 void archive(Archive& a, Field& field) {
-  int components = field.components(), length = field.length();
-  a(components, length);
-  if (field.length() != length || field.components() != components) field = Field(components, length);
   a(field.data());
 }
 

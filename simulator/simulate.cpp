@@ -99,6 +99,7 @@ RunSummary resume(const Scenario& scenario, const std::filesystem::path& folder,
   RunSummary summary = start_summary(system);
   CheckpointReader checkpoint = read_checkpoint(folder, identity_of(scenario));
   RunStart start;
+  start.assembled.state = make_state(system);
   checkpoint(start);
   RunLoop run(system, start, folder);
   run.take(checkpoint);

@@ -8,6 +8,8 @@
 #include <sstream>
 #include <thread>
 
+#include "model/errors.h"
+#include "simulator/checkpoint.h"
 #include "simulator/results.h"
 #include "simulator/simulate.h"
 #include "simulator/track_watch.h"
@@ -53,6 +55,30 @@ TEST(Run, TheSameInputGivesTheSameBytesAloneAndBesideOthers) {
     for (std::thread& thread : threads) thread.join();
     for (const std::string& bytes : beside) EXPECT_TRUE(bytes == alone);
   }
+}
+
+/// The parts of a checkpoint are taken for this vehicle or not at all, whatever its checksum says.
+TEST(Checkpoint, RefusesPartsOfAnotherVehicleAndPartsThatAreCutShort) {
+  const System& system = reference_scene().system;
+  State state = reference_scene().rest.state;
+  CheckpointWriter writer;
+  writer(state);
+  const std::string payload = writer.payload();
+  const auto refusal = [](const std::string& bytes, State to) -> std::string {
+    CheckpointReader reader(bytes, "run/checkpoint");
+    try {
+      reader(to);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal(payload, make_state(system)), "");
+  State longer = make_state(system);
+  longer.position = Field(3, system.link_array_length + k_lanes);
+  EXPECT_THAT(refusal(payload, longer), testing::HasSubstr("run/checkpoint: expected 552 numbers"));
+  EXPECT_THAT(refusal(payload.substr(0, payload.size() - 1), make_state(system)),
+              testing::HasSubstr("an end before the last of them"));
 }
 
 /// The same value for both tracks of the vehicle.
