@@ -24,6 +24,8 @@ PATIENCE = 300.0  # s, for one command on a loaded machine
 
 def environment(under=None, calls="", at=0, do="", log=None, clock=False):
     """What makes the interposer inject a fault (see there)."""
+    if not os.path.exists(INTERPOSER):
+        raise FileNotFoundError(f"{INTERPOSER}: expected the library built of interposer.c beside the program")
     faulty = dict(os.environ, LD_PRELOAD=INTERPOSER, GROUSER_FAULT_CALLS=calls, GROUSER_FAULT_DO=str(do),
                   ASAN_OPTIONS="verify_asan_link_order=0")
     if under:
