@@ -89,10 +89,7 @@ class Ramps {
     const TestProtocol& protocol = *made_.protocol;
     int steps = (protocol.samples_per_turn + 1) / 2;
     for (int ramp = 0; ramp < protocol.turns; ++ramp) {
-      if (protocol.sample_rate) {
-        const double way = std::abs(find_turn(1) - start_);
-        steps = std::max(1, static_cast<int>(std::ceil(way / *made_.rate * *protocol.sample_rate)));
-      }
+      if (protocol.sample_rate) steps = samples_of_a_way(std::abs(find_turn(1) - start_) / *made_.rate);
       const double turn = find_turn(steps);
       go(start_, turn, steps, true);
       go(turn, start_, steps, true);
@@ -101,6 +98,16 @@ class Ramps {
   }
 
  private:
+  /// Of `time` [s].
+  [[nodiscard]] int samples_of_a_way(double time) const {
+    constexpr double k_most = 1e6;
+    const double rate = *made_.protocol->sample_rate, samples = std::ceil(time * rate);
+    if (samples <= k_most) return std::max(1, static_cast<int>(samples));
+    throw NumericalError(
+        fmt::format("test {}: a way of the ramp takes {:.4g} s, at {:.4g} Hz {:.4g} samples: expected at "
+                    "most {:.0f}; give it a lower sample_rate_Hz or a higher rate",
+                    made_.name, time, rate, samples, k_most));
+  }
   [[nodiscard]] double load() const { return rig_.load(index_of(made_.axis)); }
 
   void record(double time, double displacement) {

@@ -192,6 +192,12 @@ TEST(Protocol, KeepsTheRateBetweenAllSamples) {
   }
 }
 
+TEST(Protocol, RefusesMoreSamplesThanAnyoneReads) {
+  RigTest test = ramps_to_ten_ton();
+  test.protocol->sample_rate = 1e12;
+  EXPECT_THROW(static_cast<void>(run_protocol(growing_rubber(), test)), NumericalError);
+}
+
 TEST(Protocol, EnergiesOfASpringAndAStopHaveAClosedForm) {
   RigTest test = ramps_to_ten_ton();
   test.protocol->samples_per_turn = 4000;
