@@ -8,7 +8,7 @@
 namespace grouser {
 namespace {
 
-constexpr std::string_view k_format = "grouser.checkpoint/1";
+constexpr std::string_view k_format = "grouser.checkpoint/2";
 constexpr std::size_t k_digest_length = 64;  // of SHA-256 in hex
 constexpr std::size_t k_head_length = k_format.size() + 1 + k_digest_length + 1;
 
