@@ -53,6 +53,18 @@ def files_of(folder):
     return {os.path.relpath(os.path.join(root, name), folder) for root, _, files in os.walk(folder) for name in files}
 
 
+def compare_checkpoints(part, name, folders):
+    """Behind the line with the checksum, all but two neighbouring numbers: the times of assembly and run so far."""
+    payloads = []
+    for folder in folders:
+        with open(os.path.join(folder, name, "checkpoint"), "rb") as file:
+            payloads.append(file.read().split(b"\n", 1)[1])
+    one, two = payloads
+    others = [place for place, (a, b) in enumerate(zip(one, two)) if a != b]
+    part.require(len(one) == len(two) and (not others or others[-1] - others[0] < 16),
+                 f"{name}/checkpoint differs in more than what a clock measured")
+
+
 def take_clock(part, folders):
     """Compares both run.json of each run without what a clock measured, then gives both the times of the first."""
     for name in RUNS:
@@ -63,7 +75,12 @@ def take_clock(part, folders):
             for key in CLOCK:
                 part.require(documents[-1].pop(key, None) is not None, f"{name}/run.json has no {key}")
         part.require(documents[0] == documents[1], f"{name}/run.json differs in more than what a clock measured")
-        shutil.copyfile(os.path.join(folders[0], name, "run.json"), os.path.join(folders[1], name, "run.json"))
+        clocked = ["run.json"]
+        if all(os.path.exists(os.path.join(folder, name, "checkpoint")) for folder in folders):  # of runs above a second
+            compare_checkpoints(part, name, folders)
+            clocked.append("checkpoint")
+        for file in clocked:
+            shutil.copyfile(os.path.join(folders[0], name, file), os.path.join(folders[1], name, file))
 
 
 def compare(part, folders):
@@ -90,7 +107,7 @@ def work(part, thorough):
         in_both(show, folders, thorough)
         compare(part, folders)
     part.note("Taken out of the comparison: what a clock measured, which is " + ", ".join(CLOCK) +
-              " in run.json.")
+              " in run.json, and the two of them that a checkpoint holds.")
 
 
 if __name__ == "__main__":
