@@ -174,6 +174,7 @@ def work(part, thorough):
     if not os.path.isdir(os.path.join(SOURCE_DIR, "node_modules/playwright-core")):
         missing.append("playwright-core (npm ci in the source folder)")
     if missing:
+        part.require(not thorough, "pages cannot be parsed without " + ", ".join(missing))
         part.note("Skipped without " + ", ".join(missing))
         return
     chance = random.Random(SEED)
