@@ -118,7 +118,7 @@ Command add_simulate(CLI::App& root) {
           },
           "", "path=value"));
   app->add_option("--threads", options->threads,
-                  "At most so many; a run takes one, the result is the same for any number")
+                  "Taken as in other commands, and without effect: a run of one vehicle is stepped by one thread")
       ->check(CLI::PositiveNumber)
       ->type_name("N")
       ->capture_default_str();
