@@ -125,7 +125,7 @@ Command add_simulate(CLI::App& root) {
   app->add_flag(
       "--resume", options->resume,
       "Go on with a run that was stopped or killed, from its last checkpoint or, before the first one, from its "
-      "beginning; the result is the same to the byte");
+      "beginning; every channel is the same to the byte");
   app->footer("A run that fails or is interrupted keeps what it computed, with its reason in run.json.");
   return {app, [options](Console& console) { return run(*options, console); }};
 }
