@@ -16,6 +16,8 @@ from injection import DATA, finish, must, run, seeded, spread, stages, start, to
 
 SEED = 20261122
 CHANGES = "wsnc"  # writes, syncs, names, creations
+TRIES = 4  # for a kill that came too late, each in half the time of the one before
+LEAST_KILLS = 200  # that struck a living command at a random time, in the long form
 
 
 def after(stage, folder, what):
@@ -27,7 +29,7 @@ def after(stage, folder, what):
 
 
 def killed_at(arguments, folder, delay):
-    """True when the command still lived."""
+    """True when the kill struck: the command ended by it, not before it."""
     process = start(arguments, folder)
     time.sleep(delay)
     process.kill()
@@ -35,15 +37,21 @@ def killed_at(arguments, folder, delay):
 
 
 def kill_at_random(stage, number):
-    """One trial; a run is also killed while it is resumed. Returns the kills and what is wrong."""
+    """One trial; a run is also killed while it is resumed. Returns the kills that struck, those that were tried, what is wrong."""
     chance = seeded(f"{SEED} {stage.name} {number}")
-    folder = stage.trial(f"random_{number}")
     delays = [chance.uniform(0.0, 1.05 * stage.duration)]
-    kills = killed_at(stage.arguments, folder, delays[0])
+    kills = late = 0
+    for late in range(TRIES):
+        folder = stage.trial(f"random_{number}")
+        kills = int(killed_at(stage.arguments, folder, delays[0]))
+        if kills or late == TRIES - 1:
+            break
+        shutil.rmtree(folder)
+        delays[0] /= 2
     while stage.resumed and chance.random() < 0.5:
         delays.append(chance.uniform(0.0, stage.duration))
         kills += killed_at([*stage.arguments, "--resume"], folder, delays[-1])
-    return kills, after(stage, folder, "killed after " + " and ".join(f"{delay:.3f} s" for delay in delays))
+    return kills, late + len(delays), after(stage, folder, "killed after " + " and ".join(f"{delay:.3f} s" for delay in delays))
 
 
 def kill_at_call(stage, number, lines, do):
@@ -53,7 +61,7 @@ def kill_at_call(stage, number, lines, do):
     line = lines[number - 1].split(" ", 2)
     what = f"{'killed before' if do == 'kill' else 'killed amid'} call {number} ({line[1]} {os.path.basename(line[2])})"
     # Threads may make a call more or less than when they were counted.
-    return done.returncode == -signal.SIGKILL, after(stage, folder, what)
+    return int(done.returncode == -signal.SIGKILL), 1, after(stage, folder, what)
 
 
 def unfinished(folder):
@@ -93,21 +101,19 @@ def short_data(folder):
 
 
 def end_all(process):
-    """The command and the processes that it started, at once: what a loss of power does."""
+    """The command and the processes that it started, at once: what a loss of power does. True when it was still alive."""
     try:
         with open(f"/proc/{process.pid}/task/{process.pid}/children", encoding="utf-8") as file:
             children = [int(child) for child in file.read().split()]
     except FileNotFoundError:
         children = []
-    alive = process.poll() is None
     process.kill()
     for child in children:
         try:
             os.kill(child, signal.SIGKILL)
         except ProcessLookupError:
             pass
-    process.wait()
-    return alive
+    return process.wait() == -signal.SIGKILL
 
 
 def kill_demo(home, more, kills):
@@ -136,12 +142,17 @@ def kill_demo(home, more, kills):
     return hit, wrong
 
 
-def row(rows, what, jobs, failures):
-    """Adds up trials."""
-    hit, wrong = sum(job.result()[0] for job in jobs), told([fault for job in jobs for fault in job.result()[1]])
+def row(rows, what, hit, tried, wrong):
+    """A row of kills that struck; at least half of those tried must, or the row says nothing."""
     rows.append({"what": what, "count": hit, "result": f"{len(wrong)} losses"})
-    failures += wrong
-    return hit
+    print(f"kills: {what}: {hit} struck of {tried} tried, {len(wrong)} losses", file=sys.stderr, flush=True)
+    return wrong + ([] if 2 * hit >= tried else told([f"{what}: expected half of {tried} kills to strike, {hit} did"]))
+
+
+def added(jobs):
+    """Kills that struck, kills tried, what is wrong, of all trials."""
+    done = [job.result() for job in jobs]
+    return sum(one[0] for one in done), sum(one[1] for one in done), told([fault for one in done for fault in one[2]])
 
 
 def main():
@@ -161,17 +172,19 @@ def main():
             jobs = [workers.submit(kill_at_random, stage, number) for number in range(random_kills)]
             at_calls = [workers.submit(kill_at_call, stage, number, lines, do) for do in ("kill", "half")
                         for number in spread(len(lines), calls, chance)]
-            hit = row(rows, f"{stage.name}: kills at random times", jobs, failures)
-            row(rows, f"{stage.name}: kills before and amid calls that change files, of {len(lines)} calls", at_calls,
-                failures)
+            hit, tried, wrong = added(jobs)
+            failures += row(rows, f"{stage.name}: kills at random times", hit, tried, wrong)
             random_total += hit
+            failures += row(rows, f"{stage.name}: kills before and amid calls that change files, of {len(lines)} calls",
+                            *added(at_calls))
             shutil.rmtree(stage.home)
         for more in ([], ["--study", "stiffness"]) if demo_kills and not options.only else []:
             hit, wrong = kill_demo(home, more, demo_kills)
             random_total += hit
-            rows.append({"what": " ".join(["demo", *more]) + ": kills of all its processes at random times", "count": hit,
-                         "result": f"{len(wrong)} losses"})
-            failures += told(wrong)
+            failures += row(rows, " ".join(["demo", *more]) + ": kills of all its processes at random times", hit, demo_kills,
+                            told(wrong))
+    if options.thorough and not options.only and random_total < LEAST_KILLS:
+        failures += told([f"expected at least {LEAST_KILLS} kills that strike at random times, found {random_total}"])
     rows.insert(0, {"what": "kills at random times, together", "count": random_total, "result": f"{len(failures)} losses"})
     notes = ["A loss is a file that is neither the old one nor the new one, a run that --resume does not take to the "
              "same bytes in every dataset and the same summary, or a temporary file that the next command leaves."]
