@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "cli/command.h"
+#include "cli/interrupt.h"
 #include "cli/stages.h"
 #include "model/check.h"
 #include "model/errors.h"
@@ -40,6 +41,10 @@ Result run(const std::vector<std::string>& files, Console& console) {
     all.json["files"].push_back(entry);
     all.lines.insert(all.lines.end(), one.lines.begin(), one.lines.end());
     all.code = std::max(all.code, one.code);
+    if (interrupted()) {
+      all.code = ExitCode::interrupted;
+      break;
+    }
   }
   return all;
 }

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "cli/interrupt.h"
+#include "model/errors.h"
 
 namespace grouser::cli {
 namespace {
@@ -33,7 +34,7 @@ void write_stderr(const std::string& text) {
 }
 
 void write_line(std::string_view label, std::string_view text) {
-  write_stderr(fmt::format("{}grouser: {}{}\n", on_terminal() ? k_clear_line : "", label, text));
+  write_stderr(fmt::format("{}grouser: {}{}\n", on_terminal() ? k_clear_line : "", label, for_terminal(text)));
 }
 
 std::string duration_text(double seconds) {
@@ -88,6 +89,7 @@ class ProgressBar {
     const auto filled = static_cast<std::size_t>(fraction * k_cells);
     std::string line = fmt::format("{} [{}{}] {}", title_, std::string(filled, '#'), std::string(k_cells - filled, '.'),
                                    status(fraction, what));
+    line = for_terminal(line);
     line.resize(std::min(line.size(), terminal_columns() - 1));
     write_stderr(k_clear_line + line);
   }
@@ -102,9 +104,21 @@ class ProgressBar {
 
 }  // namespace
 
+std::string for_terminal(std::string_view text) {
+  constexpr std::size_t k_piece = 200;  // bytes; `printable` cuts what is longer than one value of a file should be
+  std::string shown;
+  while (!text.empty()) {
+    std::size_t end = std::min(text.size(), k_piece);
+    while (end > 1 && end < text.size() && (text[end] & 0xC0) == 0x80) --end;  // not within a character
+    shown += printable(text.substr(0, end));
+    text.remove_prefix(end);
+  }
+  return shown;
+}
+
 void Console::error(std::string_view text) { write_line("error: ", text); }
 
-void Console::hint(std::string_view text) { write_stderr(std::string(text) + "\n"); }
+void Console::hint(std::string_view text) { write_stderr(for_terminal(text) + "\n"); }
 
 void Console::note(std::string_view text) {
   if (!quiet_) write_line("", text);

@@ -6,6 +6,9 @@
 
 namespace grouser::cli {
 
+/// `text` as a terminal shows and does not obey it, whole: names out of files come to it by many ways.
+[[nodiscard]] std::string for_terminal(std::string_view text);
+
 /// Everything that is not a result: errors, notes and progress, on stderr.
 class Console {
  public:

@@ -1,5 +1,7 @@
 /// `grouser`: parse the command line, call one library function, turn its errors into exit codes.
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <iostream>
@@ -24,6 +26,25 @@ void add_common(CLI::App& app, CommonOptions& common) {
   app.add_flag("--json", common.json, "Print the result on stdout as one JSON object");
 }
 
+/// A closed stdin, stdout or stderr would be given to the first file that is opened, and progress be written into it. A
+/// closed stdout becomes one that takes nothing, so that a result for it still fails.
+void hold_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(stream, F_GETFD) >= 0) continue;
+    if (open("/dev/null", stream == STDERR_FILENO ? O_WRONLY : O_RDONLY) != stream)
+      _exit(static_cast<int>(ExitCode::file_failure));
+  }
+}
+
+/// The result on stdout; the exit code, which a closed or full stdout changes where all went well.
+int finish(const Result& result, const std::string& command, bool as_json, Console& console) {
+  if (result.code == ExitCode::interrupted)
+    console.error("interrupted" + (result.left.empty() ? "" : " " + result.left));
+  if (print(result, command, as_json)) return static_cast<int>(result.code);
+  console.error("stdout: expected to write the result, found it closed or full");
+  return static_cast<int>(result.code == ExitCode::done ? ExitCode::file_failure : result.code);
+}
+
 int refuse(const CLI::App& root, const CLI::ParseError& error, const std::vector<std::string>& arguments) {
   Console console(false);
   const std::string text = explain(root, error, arguments);
@@ -36,21 +57,13 @@ int refuse(const CLI::App& root, const CLI::ParseError& error, const std::vector
     Result result;
     result.code = ExitCode::usage;
     result.json["errors"] = nlohmann::ordered_json::array({{{"text", text}}});
-    if (!print(result, name, true)) return static_cast<int>(ExitCode::file_failure);
+    return finish(result, name, true, console);
   }
   return static_cast<int>(ExitCode::usage);
 }
 
-/// The result on stdout; the exit code, which a closed or full stdout changes.
-int finish(const Result& result, const std::string& command, bool as_json, Console& console) {
-  if (result.code == ExitCode::interrupted)
-    console.error("interrupted" + (result.left.empty() ? "" : " " + result.left));
-  if (print(result, command, as_json)) return static_cast<int>(result.code);
-  console.error("stdout: expected to write the result, found it closed or full");
-  return static_cast<int>(ExitCode::file_failure);
-}
-
 int main(int argc, char** argv) {
+  hold_standard_streams();
   let_writes_fail();
   CLI::App root{"Rubber-bushed track: from test rig to vehicle dynamics.", "grouser"};
   CommonOptions common;
@@ -62,7 +75,8 @@ int main(int argc, char** argv) {
   root.require_subcommand(1);
   root.footer(
       "Results go to stdout, everything else to stderr.\n"
-      "Exit codes: 0 done, 2 usage, 3 bad input, 4 numerical failure, 5 cannot read or write, 130 interrupted.");
+      "Exit codes: 0 done, 2 usage, 3 bad input, 4 numerical failure, 5 cannot read or write, "
+      "70 internal error, 130 interrupted.");
 
   const std::vector<std::string> arguments(argv + 1, argv + argc);
   try {

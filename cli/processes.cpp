@@ -1,5 +1,6 @@
 #include "cli/processes.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
 #include <sys/prctl.h>
@@ -28,10 +29,11 @@ struct Child {
   ProgressReport report;
 };
 
-[[noreturn]] void live_as_child(const Job& job, int pipe) {
+[[noreturn]] void live_as_child(const Job& job, pid_t parent, int pipe) {
   // Own group: Ctrl-C on the terminal reaches the parent alone, which passes it on once.
   setpgid(0, 0);
-  prctl(PR_SET_PDEATHSIG, SIGTERM);
+  // What outlived its parent would keep the lock of the run folder that the next command wants: it ends as at Ctrl-C.
+  if (prctl(PR_SET_PDEATHSIG, SIGTERM) != 0 || getppid() != parent) _exit(static_cast<int>(ExitCode::file_failure));
   const Progress tell = [pipe](const ProgressReport& report) {
     const std::string line = fmt::format("{} {}\n", report.fraction, report.what);
     // A parent that no longer listens has ended: so does this work.
@@ -45,13 +47,13 @@ struct Child {
 
 Child start(const Job& job) {
   int ends[2];
-  if (pipe(ends) != 0) throw FileError(fmt::format("cannot make a pipe: {}", std::strerror(errno)));
+  if (pipe2(ends, O_CLOEXEC) != 0) throw FileError(fmt::format("cannot make a pipe: {}", std::strerror(errno)));
   std::fflush(nullptr);
-  const pid_t process = fork();
+  const pid_t parent = getpid(), process = fork();
   if (process < 0) throw FileError(fmt::format("cannot make a process: {}", std::strerror(errno)));
   if (process == 0) {
     close(ends[0]);
-    live_as_child(job, ends[1]);
+    live_as_child(job, parent, ends[1]);
   }
   close(ends[1]);
   Child child;

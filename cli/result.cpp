@@ -1,8 +1,10 @@
 #include "cli/result.h"
 
-#include <filesystem>
+#include <fmt/format.h>
+
 #include <iostream>
 #include <new>
+#include <system_error>
 
 #include "model/errors.h"
 
@@ -48,12 +50,13 @@ Result guard(Console& console, const std::function<Result()>& work) {
     return failure(console, ExitCode::numerical_failure, error.what());
   } catch (const FileError& error) {
     return failure(console, ExitCode::file_failure, error.what());
-  } catch (const std::filesystem::filesystem_error& error) {
+  } catch (const std::system_error& error) {  // of the file system, or no more threads
     return failure(console, ExitCode::file_failure, error.what());
   } catch (const std::bad_alloc&) {
     return failure(console, ExitCode::file_failure, "out of memory: the system gave no more");
-  } catch (const std::exception& error) {  // no more threads, or a library that was given too little
-    return failure(console, ExitCode::file_failure, error.what());
+  } catch (const std::exception& error) {  // no fault of the user's
+    return failure(console, ExitCode::internal_error,
+                   fmt::format("internal error: {}; please report it with the command and its files", error.what()));
   }
 }
 
@@ -75,7 +78,7 @@ bool print(const Result& result, const std::string& command, bool as_json) {
     object.update(result.json);
     std::cout << object.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
   } else {
-    for (const std::string& line : result.lines) std::cout << line << '\n';
+    for (const std::string& line : result.lines) std::cout << for_terminal(line) << '\n';
   }
   return static_cast<bool>(std::cout.flush());
 }

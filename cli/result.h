@@ -9,7 +9,15 @@
 namespace grouser::cli {
 
 /// Exit codes of the command (DESIGN 2).
-enum class ExitCode { done = 0, usage = 2, bad_input = 3, numerical_failure = 4, file_failure = 5, interrupted = 130 };
+enum class ExitCode {
+  done = 0,
+  usage = 2,
+  bad_input = 3,
+  numerical_failure = 4,
+  file_failure = 5,
+  internal_error = 70,
+  interrupted = 130
+};
 
 /// What a subcommand hands back: lines for people or, with --json, one object for machines.
 struct Result {

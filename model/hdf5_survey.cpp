@@ -1,6 +1,9 @@
 #include "model/hdf5_survey.h"
 
+#include <fcntl.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -20,6 +23,10 @@ namespace {
 
 constexpr hsize_t k_most_objects = 100'000, k_most_chunk_bytes = 64u << 20, k_most_texts = 1'000'000;
 constexpr hsize_t k_most_deflated = 1032;  // times; what zlib can make of a byte
+/// Values in all that any file may hold, and more for each byte on the disk: a run packs its numbers to a third or so.
+constexpr hsize_t k_most_values = 200'000'000, k_most_values_a_byte = 4;
+/// Stored bytes in all beyond those on the disk, where a file system packs or has not written them yet.
+constexpr hsize_t k_most_in_holes = 64u << 20;
 constexpr rlim_t k_most_memory = rlim_t{1} << 30;
 constexpr std::uintmax_t k_least_seconds = 10,
                          k_bytes_a_second = 50u << 20;  // of the processor: packed values are read once
@@ -27,8 +34,9 @@ constexpr std::uintmax_t k_least_seconds = 10,
 /// What the visits of one file find.
 struct Survey {
   hid_t file;
-  hsize_t objects = 0;
-  std::string fault;  ///< empty: none
+  hsize_t on_disk;  ///< bytes; a file with holes has fewer than its size
+  hsize_t objects = 0, values = 0, stored = 0;
+  std::string fault{};  ///< empty: none
 };
 
 /// A link into another file, or by name, leads where nobody looked.
@@ -138,7 +146,21 @@ void survey_unit(hid_t set, std::string& fault) {
   H5free_memory(text);
 }
 
-void survey_dataset(hid_t set, std::string& fault) {
+/// Adds a dataset to what the file claims in all: holes, chunks at one address and packed zeros cost no disk.
+void add_claim(Survey& survey, hsize_t values, hsize_t stored, std::string& fault) {
+  const std::string disk = std::to_string(survey.on_disk) + " bytes on the disk";
+  const hsize_t most_values = k_most_values + k_most_values_a_byte * survey.on_disk;
+  const hsize_t most_stored = k_most_in_holes + survey.on_disk;
+  if (__builtin_add_overflow(survey.values, values, &survey.values) || survey.values > most_values) {
+    fault = "claims " + std::to_string(values) + " values: expected at most " + std::to_string(most_values) +
+            " in a file of " + disk + ", found more";
+  } else if (__builtin_add_overflow(survey.stored, stored, &survey.stored) || survey.stored > most_stored) {
+    fault = "claims " + std::to_string(stored) + " stored bytes: expected no more than the " + disk +
+            ", found holes or parts that are shared";
+  }
+}
+
+void survey_dataset(hid_t set, Survey& survey, std::string& fault) {
   const Hdf5Handle type(H5Dget_type(set), H5Tclose), space(H5Dget_space(set), H5Sclose);
   const Hdf5Handle creation(H5Dget_create_plist(set), H5Pclose);
   if (!type || !space || !creation) {
@@ -160,6 +182,7 @@ void survey_dataset(hid_t set, std::string& fault) {
                         (chunk > 0 && count > chunks * (chunk / value_size)))) {
     fault = "claims " + std::to_string(count) + " values, of which " + std::to_string(stored) + " bytes are stored";
   }
+  if (fault.empty()) add_claim(survey, count, stored, fault);
   if (!fault.empty()) return;
   survey_unit(set, fault);
   if (texts) read_texts(set, space.id(), count, fault);
@@ -171,7 +194,7 @@ herr_t visit_object(hid_t file, const char* name, const H5O_info_t* info, void* 
   std::string fault;
   if (info->type == H5O_TYPE_DATASET) {
     const Hdf5Handle set(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose);
-    if (set) survey_dataset(set.id(), fault);
+    if (set) survey_dataset(set.id(), survey, fault);
     if (!set) fault = "cannot be opened";
   } else if (info->type != H5O_TYPE_GROUP) {
     fault = "is neither a group nor a dataset";
@@ -185,7 +208,10 @@ std::string fault_of(const std::filesystem::path& path) {
   silence_hdf5();
   const Hdf5Handle file = open_hdf5(path);
   if (!file) return "no HDF5 file, or one that is cut short or damaged";
-  Survey survey{file.id(), 0, {}};
+  struct stat status = {};
+  if (::stat(path.c_str(), &status) != 0) return std::strerror(errno);
+  constexpr hsize_t k_block = 512;  // bytes, whatever the file system's own
+  Survey survey{file.id(), k_block * static_cast<hsize_t>(status.st_blocks)};
   const bool links = H5Lvisit(file.id(), H5_INDEX_NAME, H5_ITER_INC, visit_link, &survey) >= 0;
   const bool objects = links && survey.fault.empty() &&
                        H5Ovisit2(file.id(), H5_INDEX_NAME, H5_ITER_INC, visit_object, &survey, H5O_INFO_BASIC) >= 0;
@@ -195,8 +221,9 @@ std::string fault_of(const std::filesystem::path& path) {
 
 /// May crash, at no cost to the program.
 void prepare_for_the_worst(const std::filesystem::path& file) {
-  for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGALRM, SIGINT, SIGTERM})
-    std::signal(signal, SIG_DFL);
+  for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGALRM}) std::signal(signal, SIG_DFL);
+  // Ctrl-C reaches the whole group of processes: it says nothing of the file, and the parent answers it.
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_IGN);
   std::size_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
   const auto now = static_cast<rlim_t>(pages) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
@@ -211,7 +238,9 @@ void prepare_for_the_worst(const std::filesystem::path& file) {
   alarm(static_cast<unsigned>(k_patience * seconds));
 }
 
-[[noreturn]] void survey_as_child(const std::filesystem::path& file, int to_parent) {
+[[noreturn]] void survey_as_child(const std::filesystem::path& file, pid_t parent, int to_parent) {
+  // What outlived its parent would keep the lock of the parent's run folder.
+  if (::prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || ::getppid() != parent) _exit(1);
   prepare_for_the_worst(file);
   std::string fault;
   try {
@@ -246,9 +275,9 @@ int status_of(pid_t child) {
 void survey_hdf5(const std::filesystem::path& file) {
   const std::string refusal = "cannot read " + printable(file.string()) + ": ";
   std::array<int, 2> ends{};
-  if (::pipe(ends.data()) != 0) throw FileError(refusal + std::strerror(errno));
-  const pid_t child = ::fork();
-  if (child == 0) survey_as_child(file, ends[1]);
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw FileError(refusal + std::strerror(errno));
+  const pid_t parent = ::getpid(), child = ::fork();
+  if (child == 0) survey_as_child(file, parent, ends[1]);
   ::close(ends[1]);
   const std::string fault = take_all(ends[0]);
   if (child < 0) throw FileError(refusal + std::strerror(errno));

@@ -26,7 +26,8 @@ void redirect(int descriptor, const std::string& file) {
   if (opened < 0 || dup2(opened, descriptor) < 0) _exit(126);
 }
 
-pid_t start(const std::vector<std::string>& arguments, const std::string& out, const std::string& err) {
+pid_t start(const std::vector<std::string>& arguments, const std::string& out, const std::string& err,
+            const std::vector<int>& closed) {
   const pid_t process = fork();
   if (process != 0) return process;
   redirect(STDOUT_FILENO, out);
@@ -36,6 +37,7 @@ pid_t start(const std::vector<std::string>& arguments, const std::string& out, c
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
+  for (const int stream : closed) close(stream);
   execv(pointers.front(), pointers.data());
   _exit(127);
 }
@@ -46,7 +48,7 @@ CommandOutput grouser(const std::vector<std::string>& arguments, const CommandCo
   const TemporaryFolder folder;
   const std::string out = control.stdout_file.empty() ? (folder / "out").string() : control.stdout_file;
   const std::string err = (folder / "err").string();
-  const pid_t process = start(arguments, out, err);
+  const pid_t process = start(arguments, out, err, control.closed);
   const auto give_up = std::chrono::steady_clock::now() + std::chrono::minutes(2);
   bool signalled = control.signal == 0;
   int status = 0;

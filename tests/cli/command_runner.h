@@ -14,6 +14,7 @@ struct CommandControl {
   int signal = 0;
   std::string signal_after;
   std::string stdout_file;  ///< empty = captured
+  std::vector<int> closed;  ///< standard streams that it starts without
 };
 
 /// Runs the built `grouser` as a user does, stderr not on a terminal. A command that runs longer than two minutes is

@@ -55,6 +55,19 @@ INSTANTIATE_TEST_SUITE_P(BySignal, Interrupted, ::testing::Values(SIGINT, SIGTER
   return which.param == SIGINT ? "Sigint" : which.param == SIGTERM ? "Sigterm" : "Sighup";
 });
 
+TEST(Interruption, ACodeStandsThoughStdoutIsFull) {
+  const TemporaryFolder folder;
+  CommandControl control;
+  control.signal = SIGINT;
+  control.signal_after = "assembly";
+  control.stdout_file = "/dev/full";
+  std::vector<std::string> arguments = simulate(folder / "run", "17");
+  arguments.push_back("--json");
+  const CommandOutput output = grouser(arguments, control);
+  EXPECT_EQ(output.exit_code, 130) << output.err;
+  EXPECT_THAT(output.err, HasSubstr("stdout: expected to write the result"));
+}
+
 TEST(Progress, IsALineEveryTenthWhereThereIsNoTerminal) {
   const TemporaryFolder folder;
   const CommandOutput output = grouser(simulate(folder / "run", "0.1"));

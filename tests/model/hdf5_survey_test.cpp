@@ -1,6 +1,6 @@
 #include "model/hdf5_survey.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <hdf5.h>
 
 #include "model/errors.h"
@@ -9,6 +9,9 @@
 
 namespace grouser {
 namespace {
+
+using ::testing::HasSubstr;
+using ::testing::MatchesRegex;
 
 /// A file with one dataset of the given type and rows, in chunks.
 std::filesystem::path file_with(const TemporaryFolder& folder, hid_t type, hsize_t rows, hsize_t chunk_rows) {
@@ -21,6 +24,23 @@ std::filesystem::path file_with(const TemporaryFolder& folder, hid_t type, hsize
                        H5Dclose);
   const std::vector<double> values(rows < 1000 ? rows : 0, 1.0);
   if (!values.empty()) H5Dwrite(set.id(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+  return path;
+}
+
+/// A file with datasets whose room is taken and never written: holes, of any size.
+std::filesystem::path file_with_holes(const TemporaryFolder& folder, int sets, hsize_t rows) {
+  const std::filesystem::path path = folder / "run.h5";
+  const Hdf5Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
+  const Hdf5Handle space(H5Screate_simple(1, &rows, nullptr), H5Sclose);
+  const Hdf5Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_alloc_time(creation.id(), H5D_ALLOC_TIME_EARLY);
+  H5Pset_fill_time(creation.id(), H5D_FILL_TIME_NEVER);
+  for (int i = 0; i < sets; ++i) {
+    const std::string name = "set" + std::to_string(i);
+    const Hdf5Handle set(
+        H5Dcreate2(file.id(), name.c_str(), H5T_IEEE_F64LE, space.id(), H5P_DEFAULT, creation.id(), H5P_DEFAULT),
+        H5Dclose);
+  }
   return path;
 }
 
@@ -44,6 +64,23 @@ TEST(Hdf5Survey, RefusesRowsThatAreOnlyClaimed) {
   const TemporaryFolder folder;
   EXPECT_EQ(refusal_of(file_with(folder, H5T_IEEE_F64LE, 1'000'000'000, 1024)),
             "/time claims 1000000000 values, of which 0 bytes are stored");
+}
+
+TEST(Hdf5Survey, RefusesRowsInHoles) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(
+      refusal_of(file_with_holes(folder, 1, 400'000'000)),
+      MatchesRegex("/set0 claims 400000000 values: expected at most 2000[0-9]* in a file of [0-9]* bytes on the "
+                   "disk, found more"));
+  EXPECT_THAT(refusal_of(file_with_holes(folder, 1, 10'000'000)),
+              MatchesRegex("/set0 claims 80000000 stored bytes: expected no more than the [0-9]* bytes on the disk, "
+                           "found holes or parts that are shared"));
+}
+
+TEST(Hdf5Survey, RefusesWhatIsTooMuchInAll) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(refusal_of(file_with_holes(folder, 8, 1'000'000)), "");
+  EXPECT_THAT(refusal_of(file_with_holes(folder, 9, 1'000'000)), HasSubstr("/set8 claims 8000000 stored bytes"));
 }
 
 TEST(Hdf5Survey, RefusesChunksThatNoRunHas) {
