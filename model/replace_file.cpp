@@ -19,6 +19,22 @@ void sync_folder_of(const fs::path& file) {
   if (directory.number() >= 0) ::fsync(directory.number());
 }
 
+/// Where no exchange can be had: a kill in between leaves the old folder beside, whole, and any error puts it back.
+void replace_in_steps(const fs::path& made, const fs::path& folder) {
+  const fs::path old = made.string() + ".old";
+  const bool replaces = fs::exists(folder);
+  if (replaces) fs::remove_all(old);  // what a killed process left
+  if (replaces && ::rename(folder.c_str(), old.c_str()) != 0) fail_file("write", folder);
+  if (::rename(made.c_str(), folder.c_str()) != 0) {
+    const int why = errno;
+    if (replaces) ::rename(old.c_str(), folder.c_str());
+    errno = why;
+    fail_file("write", folder);
+  }
+  sync_folder_of(folder);
+  fs::remove_all(old);
+}
+
 }  // namespace
 
 void sync_file(const fs::path& file) {
@@ -33,15 +49,14 @@ void replace_file(const fs::path& made, const fs::path& file) {
 }
 
 void replace_folder(const fs::path& made, const fs::path& folder) {
-  // Where nothing bears the name, or the file system knows no exchange, a plain rename; the latter wants an empty name.
   if (::renameat2(AT_FDCWD, made.c_str(), AT_FDCWD, folder.c_str(), RENAME_EXCHANGE) == 0) {
     sync_folder_of(folder);
     fs::remove_all(made);
     return;
   }
-  fs::remove_all(folder);
-  if (::rename(made.c_str(), folder.c_str()) != 0) fail_file("write", folder);
-  sync_folder_of(folder);
+  // Nothing bears the name, or the file system or the kernel knows no exchange; any other refusal is an error.
+  if (errno != ENOENT && errno != EINVAL && errno != ENOSYS) fail_file("write", folder);
+  replace_in_steps(made, folder);
 }
 
 }  // namespace grouser

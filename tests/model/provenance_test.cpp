@@ -2,13 +2,27 @@
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include <thread>
+#include <utility>
 
 #include "model/errors.h"
 #include "model/folder_lock.h"
 #include "model/replace_file.h"
 #include "tests/support/test_data.h"
+
+namespace {
+int exchange_error = 0;  // what an exchange of names is refused with; 0: it is not
+}
+
+/// Takes the C library's place in this program.
+extern "C" int renameat2(int from_folder, const char* from, int to_folder, const char* to, unsigned flags) noexcept {
+  if (exchange_error == 0) return static_cast<int>(syscall(SYS_renameat2, from_folder, from, to_folder, to, flags));
+  errno = exchange_error;
+  return -1;
+}
 
 namespace grouser {
 namespace {
@@ -63,17 +77,40 @@ TEST(WriteWhole, OfManyWritersOneFileIsWhole) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }
 
-TEST(ReplaceFolder, LeavesTheNewOneAlone) {
+class ReplaceFolder : public testing::Test {
+ protected:
+  ~ReplaceFolder() override { exchange_error = 0; }
+};
+
+TEST_F(ReplaceFolder, LeavesTheNewOneAlone) {
   const TemporaryFolder folder;
-  for (const char* old : {"", "old"}) {
+  bool there = false;
+  for (const int error : {0, 0, EINVAL, ENOSYS}) {
+    exchange_error = error;
     std::filesystem::create_directories(folder.path() / "made");
     folder.write("made/new", "new");
-    if (*old != 0) folder.write("folder/old", "old");
+    if (std::exchange(there, true)) folder.write("folder/old", "old");
     replace_folder(folder.path() / "made", folder.path() / "folder");
     EXPECT_TRUE(std::filesystem::exists(folder.path() / "folder" / "new"));
     EXPECT_FALSE(std::filesystem::exists(folder.path() / "folder" / "old"));
     EXPECT_FALSE(std::filesystem::exists(folder.path() / "made"));
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
   }
+}
+
+TEST_F(ReplaceFolder, ThatFailsLeavesTheOldOne) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder.path() / "made");
+  std::filesystem::create_directories(folder.path() / "folder");
+  folder.write("folder/old", "old");
+  exchange_error = EIO;
+  EXPECT_THROW(replace_folder(folder.path() / "made", folder.path() / "folder"), FileError);
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "made"));
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "folder" / "old"));
+  exchange_error = EINVAL;
+  EXPECT_THROW(replace_folder(folder.path() / "absent", folder.path() / "folder"), FileError);
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "folder" / "old"));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 2);
 }
 
 TEST(FolderLock, IsHeldByOneAtATimeAndGivenBack) {
