@@ -23,7 +23,7 @@ SEED = 20261122
 CLOCK = ("wall_time_s", "assembly_wall_time_s", "real_time_factor")
 QUICK = ["--set", "assembly.settle_time_s=2.6"]
 SCENARIO = os.path.join(DATA, "scenarios/m113.json")
-RIG = os.path.join(DATA, "rig/protocol/rig.json")
+RIG = os.path.join(DATA, "rig/reference/rig.json")
 THREADS = (1, 2, 4)
 INTERRUPTED = 130  # the exit code behind Ctrl-C
 
