@@ -93,31 +93,28 @@ std::string path_through(std::span<const Vector2f> points) {
 std::vector<Vector2f> without_straight(std::span<const Vector2f> points) {
   constexpr float k_tolerance = 0.05f;
   std::vector<Vector2f> kept{points.front()};
-  float low = 0.0f, high = 0.0f, reached = 0.0f;  // of the angle against the first step; of the way
+  float low = 0.0f, high = 0.0f, reached = 0.0f;  // of the angle against the first step; of the way, 0 before that step
   Vector2f first = Vector2f::Zero();
   for (std::size_t i = 1; i < points.size(); ++i) {
-    const auto start = [&] {
-      first = points[i] - kept.back();
-      reached = first.norm();
-      high = reached > k_tolerance ? std::asin(k_tolerance / reached) : 1.5f;
-      low = -high;
-    };
-    if (i == 1) {
-      start();
-      continue;
-    }
-    const Vector2f way = points[i] - kept.back();
-    const float length = way.norm();
-    const float angle = std::atan2(first.x() * way.y() - first.y() * way.x(), first.dot(way));
-    const float reach = length > k_tolerance ? std::asin(k_tolerance / length) : 1.5f;
-    if (angle < low || angle > high || length < reached) {
+    Vector2f way = points[i] - kept.back();
+    if (reached > 0.0f) {
+      const float length = way.norm(), reach = length > k_tolerance ? std::asin(k_tolerance / length) : 1.5f;
+      const float angle = std::atan2(first.x() * way.y() - first.y() * way.x(), first.dot(way));
+      if (low <= angle && angle <= high && length >= reached) {
+        low = std::max(low, angle - reach);
+        high = std::min(high, angle + reach);
+        reached = length;
+        continue;
+      }
       kept.push_back(points[i - 1]);
-      start();
-      continue;
+      way = points[i] - kept.back();
+      reached = 0.0f;
     }
-    low = std::max(low, angle - reach);
-    high = std::min(high, angle + reach);
-    reached = length;
+    if (way.norm() <= k_tolerance) continue;  // no step yet: it has no direction
+    first = way;
+    reached = way.norm();
+    high = std::asin(k_tolerance / reached);
+    low = -high;
   }
   if (points.size() > 1) kept.push_back(points.back());
   return kept;

@@ -54,6 +54,13 @@ TEST(Svg, KeepsAWayThatTurnsBack) {
   EXPECT_THAT(canvas.element(""), HasSubstr("d=\"M0 50l0-40l0 80l0-40\""));
 }
 
+TEST(Svg, KeepsTheBendsOfAWayThatBeginsAtRest) {
+  SvgCanvas canvas(100.0f, 100.0f);
+  const std::vector<Vector2f> points{{0.0f, 50.0f}, {0.0f, 50.0f}, {10.0f, 20.0f}, {20.0f, 50.0f}, {30.0f, 10.0f}};
+  canvas.line(points, 1.0f, {});
+  EXPECT_THAT(canvas.element(""), HasSubstr("d=\"M0 50l10-30l10 30l10-40\""));
+}
+
 TEST(Svg, StandsAloneAsAFileInTheColoursOfItsTheme) {
   const std::string light = svg_file(two_lines("Loop")), dark = svg_file(two_lines("Loop"), Theme::dark);
   for (const std::string& file : {light, dark})
