@@ -37,6 +37,10 @@ if(GROUSER_SANITIZE)
   target_compile_options(grouser_options INTERFACE -fsanitize=${GROUSER_SANITIZE} -fno-omit-frame-pointer
     $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized> -Wno-null-dereference)
   target_link_options(grouser_options INTERFACE -fsanitize=${GROUSER_SANITIZE})
+  if(GROUSER_SANITIZE MATCHES address)
+    target_sources(grouser_options INTERFACE
+      $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:${CMAKE_SOURCE_DIR}/tests/support/leaks_elsewhere.cpp>)
+  endif()
 else()
   # Sanitizers see more of the plain functions, and without optimisation glibc refuses it.
   target_compile_options(grouser_options INTERFACE $<$<NOT:$<CONFIG:Debug>>:-U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=3>)
