@@ -31,12 +31,13 @@ struct AvScalerRelease {
 };
 using AvScalerHandle = std::unique_ptr<SwsContext, AvScalerRelease>;
 
-/// What FFmpeg answered unless it is an error; throws FileError("`what`: reason") then.
-inline int av_checked(int code, const std::string& what) {
+/// What FFmpeg answered unless it is an error; throws Error("`what`: reason") then.
+template <typename Error = FileError>
+int av_checked(int code, const std::string& what) {
   if (code >= 0) return code;
   std::array<char, AV_ERROR_MAX_STRING_SIZE> text{};
   av_strerror(code, text.data(), text.size());
-  throw FileError(what + ": " + text.data());
+  throw Error(what + ": " + text.data());
 }
 
 template <typename T>

@@ -7,7 +7,6 @@
 #include <system_error>
 
 #include "model/errors.h"
-#include "model/folder_lock.h"
 #include "model/provenance.h"
 #include "model/replace_file.h"
 #include "render/film_encoder.h"
@@ -76,7 +75,7 @@ double spread(const Image& image) {
 /// Reads the film again from end to end: what the next program will find.
 void check_film(const fs::path& file, const FrameTimes& times, const RenderOptions& options) {
   const auto fail = [&file](const std::string& what) {
-    throw FileError("film " + file.string() + " was not written right: " + what);
+    throw DamagedFilm("film " + file.string() + " was not written right: " + what);
   };
   FilmReader film(file);
   int count = 0;
@@ -90,7 +89,8 @@ void check_film(const fs::path& file, const FrameTimes& times, const RenderOptio
   if (count != times.count) fail(fmt::format("{} frames of {}", count, times.count));
 }
 
-constexpr PartNames k_frames{"frame_", 6, ".png", ".frames"}, k_stretches{"stretch_", 4, ".mp4", "done"};
+constexpr PartNames k_frames{"frame_", 6, ".png", ".frames", "set of frames"},
+    k_stretches{"stretch_", 4, ".mp4", "done", "film"};
 constexpr int k_png_level = 1;  // of 9: half the time of a frame is not worth a fifth of its size
 
 /// What frames are made of: equal digests give equal frames.
@@ -127,14 +127,14 @@ bool film_stretch(SplitScreen& screen, const FrameTimes& times, int first, int l
 int render_frames(const Runs& runs, const fs::path& folder, const RenderOptions& options, const Progress& progress) {
   SplitScreen screen(runs, options, 1);
   const FrameTimes times(screen, options);
-  PartStore store(folder, k_frames, digest_of(film_mark(runs), options));
+  PartStore store(folder, k_frames, digest_of(film_mark(runs), options), times.count);
   for (int frame = store.done(); frame < times.count; ++frame) {
     if (!keep_going(progress, times, frame)) return frame;
     const std::vector<std::uint8_t> png = encode_png(screen.at(times.at(frame)), k_png_level);
     write_whole(store.next(), {reinterpret_cast<const char*>(png.data()), png.size()});
     store.add();
   }
-  store.cut(times.count);
+  store.cut();
   keep_going(progress, times, times.count);
   return times.count;
 }
@@ -143,8 +143,8 @@ int render_film(const Runs& runs, const fs::path& file, const RenderOptions& opt
   SplitScreen screen(runs, options, 1);
   const FrameTimes times(screen, options);
   const std::string hidden = "." + file.stem().string(), mark = film_mark(runs);
-  PartStore store(file.parent_path() / (hidden + ".stretches"), k_stretches, digest_of(mark, options));
-  const FolderLock lock(store.folder(), "film");
+  PartStore store(file.parent_path() / (hidden + ".stretches"), k_stretches, digest_of(mark, options),
+                  (times.count - 1) / k_stretch + 1);
   for (int first = store.done() * k_stretch; first < times.count; first += k_stretch) {
     FilmEncoder encoder(store.next(), options.width, options.height, options.fps);
     if (!film_stretch(screen, times, first, std::min(first + k_stretch, times.count), encoder, progress)) return 0;
@@ -152,10 +152,10 @@ int render_film(const Runs& runs, const fs::path& file, const RenderOptions& opt
     store.add();
   }
   TemporaryFile partial(file.parent_path() / (hidden + ".partial.mp4"));
-  join_films(store.files(), partial.path(), mark);
   try {
+    join_films(store.files(), partial.path(), mark);
     check_film(partial.path(), times, options);
-  } catch (const FileError&) {
+  } catch (const DamagedFilm&) {
     store.remove();  // a stretch is damaged: the next try begins anew
     throw;
   }

@@ -1,6 +1,7 @@
 #include "render/film_encoder.h"
 
 #include "render/av_handles.h"
+#include "render/film_reader.h"
 
 namespace grouser {
 namespace {
@@ -55,6 +56,23 @@ class Mp4Writer {
   AVFormatContext* context_ = nullptr;
   AVStream* stream_ = nullptr;
 };
+
+std::string not_readable(const fs::path& film) { return "cannot read " + film.string(); }
+
+AvInputHandle open_film(const fs::path& film) {
+  AVFormatContext* opened = nullptr;
+  av_checked<DamagedFilm>(avformat_open_input(&opened, av_file_url(film).c_str(), nullptr, nullptr),
+                          not_readable(film));
+  AvInputHandle in(opened);
+  if (in->nb_streams != 1) throw DamagedFilm(not_readable(film) + ": expected one stream");
+  return in;
+}
+
+/// False at the end.
+bool read_packet(AVFormatContext& in, AVPacket& packet, const fs::path& film) {
+  const int code = av_read_frame(&in, &packet);
+  return code != AVERROR_EOF && av_checked<DamagedFilm>(code, not_readable(film)) >= 0;
+}
 
 AvCodecHandle open_x264(const fs::path& file, int width, int height, double fps) {
   const AVCodec* x264 = made(avcodec_find_encoder_by_name("libx264"), file);
@@ -158,9 +176,7 @@ void join_films(const std::vector<fs::path>& stretches, const fs::path& file, co
   const AvPacketHandle packet(made(av_packet_alloc(), file));
   std::int64_t start = 0;  // of a stretch, in the time base of the result
   for (const fs::path& stretch : stretches) {
-    AVFormatContext* opened = nullptr;
-    checked(avformat_open_input(&opened, av_file_url(stretch).c_str(), nullptr, nullptr), stretch);
-    const AvInputHandle in(opened);
+    const AvInputHandle in = open_film(stretch);
     const AVStream& from = *in->streams[0];
     if (start == 0) {
       checked(avcodec_parameters_copy(out.stream().codecpar, from.codecpar), file);
@@ -169,7 +185,7 @@ void join_films(const std::vector<fs::path>& stretches, const fs::path& file, co
       out.begin();
     }
     std::int64_t end = start;
-    while (av_read_frame(in.get(), packet.get()) >= 0) {
+    while (read_packet(*in, *packet, stretch)) {
       av_packet_rescale_ts(packet.get(), from.time_base, out.stream().time_base);
       packet->pts += start;
       packet->dts += start;

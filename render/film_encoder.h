@@ -27,7 +27,8 @@ class FilmEncoder {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Puts stretches of one size and rate one after the other; `comment` stands as text in the file. Throws FileError.
+/// Puts stretches of one size and rate one after the other; `comment` stands as text in the file. Throws DamagedFilm
+/// where a stretch cannot be read, another FileError where the file cannot be written.
 void join_films(const std::vector<std::filesystem::path>& stretches, const std::filesystem::path& file,
                 const std::string& comment);
 

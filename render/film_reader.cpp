@@ -7,7 +7,7 @@ namespace {
 
 AvInputHandle opened(const std::filesystem::path& file, const std::string& what) {
   AVFormatContext* input = nullptr;
-  av_checked(avformat_open_input(&input, av_file_url(file).c_str(), nullptr, nullptr), what);
+  av_checked<DamagedFilm>(avformat_open_input(&input, av_file_url(file).c_str(), nullptr, nullptr), what);
   return AvInputHandle(input);
 }
 
@@ -22,17 +22,17 @@ struct FilmReader::Impl {
 
   explicit Impl(const std::filesystem::path& file) : what("cannot read " + file.string()), input(opened(file, what)) {
     if (input->nb_streams != 1 || input->streams[0]->codecpar->codec_id != AV_CODEC_ID_H264)
-      throw FileError(what + ": expected one stream in H.264");
+      throw DamagedFilm(what + ": expected one stream in H.264");
     codec.reset(av_made(avcodec_alloc_context3(avcodec_find_decoder(AV_CODEC_ID_H264)), what));
-    av_checked(avcodec_parameters_to_context(codec.get(), input->streams[0]->codecpar), what);
-    av_checked(avcodec_open2(codec.get(), nullptr, nullptr), what);
+    av_checked<DamagedFilm>(avcodec_parameters_to_context(codec.get(), input->streams[0]->codecpar), what);
+    av_checked<DamagedFilm>(avcodec_open2(codec.get(), nullptr, nullptr), what);
   }
 
   /// Hands the next packet to the decoder, or that there is none.
   void feed() {
     const int code = av_read_frame(input.get(), packet.get());
-    if (code != AVERROR_EOF) av_checked(code, what);
-    av_checked(avcodec_send_packet(codec.get(), code == AVERROR_EOF ? nullptr : packet.get()), what);
+    if (code != AVERROR_EOF) av_checked<DamagedFilm>(code, what);
+    av_checked<DamagedFilm>(avcodec_send_packet(codec.get(), code == AVERROR_EOF ? nullptr : packet.get()), what);
     av_packet_unref(packet.get());
   }
 };
@@ -45,7 +45,7 @@ bool FilmReader::next() {
   while (true) {
     const int code = avcodec_receive_frame(impl_->codec.get(), impl_->frame.get());
     if (code == AVERROR_EOF) return false;
-    if (code != AVERROR(EAGAIN)) return av_checked(code, impl_->what) == 0;
+    if (code != AVERROR(EAGAIN)) return av_checked<DamagedFilm>(code, impl_->what) == 0;
     impl_->feed();
   }
 }

@@ -2,20 +2,27 @@
 #include <filesystem>
 #include <memory>
 
+#include "model/errors.h"
 #include "render/image.h"
 
 namespace grouser {
 
+/// A file that holds no film, or less than it should.
+class DamagedFilm : public FileError {
+ public:
+  using FileError::FileError;
+};
+
 /// The frames of a film that FilmEncoder wrote, one after the other.
 class FilmReader {
  public:
-  /// Throws FileError where the file holds no film in H.264.
+  /// Throws DamagedFilm where the file holds no film in H.264.
   explicit FilmReader(const std::filesystem::path& file);
   ~FilmReader();
   FilmReader(const FilmReader&) = delete;
   FilmReader& operator=(const FilmReader&) = delete;
 
-  /// Goes on to the next frame; false after the last. Throws FileError where one cannot be read.
+  /// Goes on to the next frame; false after the last. Throws DamagedFilm where one cannot be read.
   bool next();
   /// The frame that next() went to.
   [[nodiscard]] Image frame() const;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
 #include <system_error>
 
@@ -12,18 +13,29 @@ namespace grouser {
 
 namespace fs = std::filesystem;
 
-PartStore::PartStore(fs::path folder, PartNames names, std::string digest)
-    : folder_(std::move(folder)), names_(names), digest_(std::move(digest)) {
+namespace {
+
+fs::path made_folder(fs::path folder) {
   std::error_code error;
-  fs::create_directory(folder_, error);
-  if (error) throw FileError("cannot write into " + folder_.string() + ": " + error.message());
+  fs::create_directory(folder, error);
+  if (error) throw FileError("cannot write into " + folder.string() + ": " + error.message());
+  return folder;
+}
+
+}  // namespace
+
+PartStore::PartStore(fs::path folder, PartNames names, std::string digest, int count)
+    : folder_(made_folder(std::move(folder))),
+      names_(names),
+      lock_(folder_, names.whole),
+      digest_(std::move(digest)),
+      count_(count) {
   std::ifstream known(folder_ / names_.mark);
   std::string of;
-  int count = 0;
-  const bool ours = known >> of >> count && of == digest_;
-  if (ours) done_ = count;
-  while (done_ > 0 && !fs::exists(file_of(done_ - 1))) --done_;
-  if (!ours) write_mark();  // before the first part takes the place of one of another whole
+  int marked = 0;
+  const bool ours = known >> of >> marked && of == digest_;
+  while (ours && done_ < std::min(marked, count_) && fs::exists(file_of(done_))) ++done_;
+  if (!ours || done_ != marked) write_mark();  // before half a part takes the place of one that the mark calls whole
 }
 
 fs::path PartStore::file_of(int part) const {
@@ -43,13 +55,13 @@ std::vector<fs::path> PartStore::files() const {
   return files;
 }
 
-void PartStore::cut(int count) const {
+void PartStore::remove_from(int part) const {
   std::error_code ignored;
-  while (fs::remove(file_of(count), ignored)) ++count;
+  while (fs::remove(file_of(part), ignored)) ++part;
 }
 
 void PartStore::remove() {
-  cut(0);
+  remove_from(0);
   std::error_code ignored;
   fs::remove(folder_ / names_.mark, ignored);
   fs::remove(folder_, ignored);

@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "model/folder_lock.h"
+
 namespace grouser {
 
 /// What the numbered files of a whole are called: frame_000000.png with the mark .frames.
@@ -11,34 +13,40 @@ struct PartNames {
   int digits;
   const char* extension;
   const char* mark;
+  const char* whole;  ///< "film", for messages
 };
 
 /// Numbered files of a folder, made one after the other, that are one whole: pictures of a film, or stretches of it. A
 /// file beside them, the mark, says of which digest they are and how many are whole, so that a process that was stopped
-/// or killed is gone on with; with another digest they are begun anew.
+/// or killed is gone on with; with another digest they are begun anew. Only one
+/// process at a time has them.
 class PartStore {
  public:
-  /// Makes the folder, not its parents. Throws FileError.
-  PartStore(std::filesystem::path folder, PartNames names, std::string digest);
+  /// Makes the folder, not its parents. `count`: parts of the whole. Throws FileError, also when another process has
+  /// it.
+  PartStore(std::filesystem::path folder, PartNames names, std::string digest, int count);
 
-  [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
+  /// Parts from the first on that are whole.
   [[nodiscard]] int done() const { return done_; }
   /// Where the next part is to be written; add() when it is whole and on the disk.
   [[nodiscard]] std::filesystem::path next() const { return file_of(done_); }
   void add();
   [[nodiscard]] std::vector<std::filesystem::path> files() const;
-  /// Takes away the parts from number `count` on, which an earlier whole left that was longer.
-  void cut(int count) const;
+  /// Takes away the parts behind the last, which an earlier whole left that was longer.
+  void cut() const { remove_from(count_); }
   /// Takes away the parts, the mark, and the folder if nothing else stands in it.
   void remove();
 
  private:
   [[nodiscard]] std::filesystem::path file_of(int part) const;
   void write_mark() const;
+  void remove_from(int part) const;
 
   std::filesystem::path folder_;
   PartNames names_;
+  FolderLock lock_;
   std::string digest_;
+  int count_;
   int done_ = 0;
 };
 

@@ -5,8 +5,10 @@
 #include <iterator>
 
 #include "model/errors.h"
+#include "model/folder_lock.h"
 #include "model/provenance.h"
 #include "render/film_reader.h"
+#include "render/part_store.h"
 #include "render/pose.h"
 #include "render/render.h"
 #include "tests/support/mock_run.h"
@@ -143,6 +145,76 @@ TEST_F(Film, FramesAreTakenUpWhereTheyWereLeftUnlessOthersAreAskedFor) {
   options_.camera = "top";
   EXPECT_EQ(render_frames({&opened_}, target, options_), 5);
   EXPECT_NE(read_png(first).bgr, chase.bgr);
+}
+
+TEST_F(Film, FramesThatWentMissingAreMadeAgain) {
+  const fs::path target = folder_.path() / "frames";
+  ASSERT_EQ(render_frames({&opened_}, target, options_), 5);
+  fs::remove(target / "frame_000000.png");
+  EXPECT_EQ(render_frames({&opened_}, target, options_), 5);
+  EXPECT_TRUE(fs::exists(target / "frame_000000.png"));
+}
+
+TEST_F(Film, APartThatAKilledProgramLeftInPlaceOfOneThatWentMissingDoesNotCount) {
+  const fs::path target = folder_.path() / "parts";
+  constexpr PartNames k_names{"part_", 2, ".txt", "done", "set of parts"};
+  const auto write = [&target](int part) {
+    std::ofstream(target / ("part_0" + std::to_string(part) + ".txt")) << "part";
+  };
+  {
+    PartStore store(target, k_names, "digest", 3);
+    for (int part = 0; part < 3; ++part) {
+      write(part);
+      store.add();
+    }
+  }
+  fs::remove(target / "part_00.txt");
+  EXPECT_EQ(PartStore(target, k_names, "digest", 3).done(), 0);
+  write(0);  // and killed before add()
+  EXPECT_EQ(PartStore(target, k_names, "digest", 3).done(), 0);
+}
+
+TEST_F(Film, AMarkThatCountsTooManyPartsIsNotBelieved) {
+  const fs::path target = folder_.path() / "parts";
+  constexpr PartNames k_names{"part_", 2, ".txt", "done", "set of parts"};
+  fs::create_directories(target);
+  for (const char* name : {"part_00.txt", "part_01.txt", "part_02.txt"}) std::ofstream(target / name) << "part";
+  std::ofstream(target / "done") << "digest 2147483647\n";
+  EXPECT_EQ(PartStore(target, k_names, "digest", 2).done(), 2);
+}
+
+TEST_F(Film, IsLeftToTheProcessThatMakesIt) {
+  const fs::path target = folder_.path() / "frames";
+  ASSERT_EQ(render_frames({&opened_}, target, options_, stop_after(2)), 2);
+  const std::string mark = read_whole(target / ".frames");
+  options_.camera = "top";
+  {
+    const FolderLock other(target, "set of frames");
+    EXPECT_THROW((void)render_frames({&opened_}, target, options_), FileError);
+  }
+  EXPECT_EQ(read_whole(target / ".frames"), mark);
+}
+
+TEST_F(Film, IsBegunAnewWhereAStretchCannotBeRead) {
+  options_.fps = 140.0;
+  const fs::path file = folder_.path() / "film.mp4", stretch = folder_.path() / ".film.stretches/stretch_0000.mp4";
+  const std::vector<std::string> spoilt{"no film", ""};
+  for (const std::string& content : spoilt) {
+    ASSERT_EQ(render_film(run(), file, options_, stop_after(63)), 0);
+    std::ofstream(stretch) << content;
+    EXPECT_THROW((void)render_film(run(), file, options_), FileError);
+    EXPECT_FALSE(fs::exists(stretch));
+  }
+  EXPECT_GT(render_film(run(), file, options_), 60);
+}
+
+TEST_F(Film, KeepsItsStretchesWhereItCannotBeWritten) {
+  options_.fps = 140.0;
+  const fs::path file = folder_.path() / "film.mp4", stretches = folder_.path() / ".film.stretches";
+  ASSERT_EQ(render_film(run(), file, options_, stop_after(63)), 0);
+  fs::create_directories(folder_.path() / ".film.partial.mp4/inside");  // neither written over nor removed
+  EXPECT_THROW((void)render_film(run(), file, options_), FileError);
+  EXPECT_TRUE(fs::exists(stretches / "stretch_0001.mp4"));
 }
 
 TEST_F(Film, AQuarterOfTheSpeedTakesFourTimesTheFrames) {
