@@ -9,6 +9,7 @@
 #include "cli/stages.h"
 #include "model/bushing_draws.h"
 #include "model/errors.h"
+#include "model/folder_lock.h"
 #include "reports/fit_checks.h"
 #include "reports/report.h"
 
@@ -120,6 +121,7 @@ IdentifyResult identify_into(const fs::path& rig_file, const fs::path& folder, i
   }
   // Before the long work: a folder that cannot be made should not cost a fit.
   const bool made = fs::create_directories(folder);
+  const FolderLock lock(folder, "identification");
   IdentifyResult result;
   try {
     result = identify(rig, {.threads = threads}, progress);

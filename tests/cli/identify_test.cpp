@@ -9,6 +9,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "model/folder_lock.h"
 #include "tests/cli/command_runner.h"
 #include "tests/support/temporary_folder.h"
 
@@ -125,6 +126,16 @@ TEST(Identify, WritesDrawsThatAreOrdinaryBushings) {
   for (const auto& entry : fs::directory_iterator(out)) {
     EXPECT_THAT(entry.path().filename().string(), Not(HasSubstr(".part")));
   }
+}
+
+TEST(Identify, IntoAFolderOfAnotherProcessIsRefused) {
+  const TemporaryFolder folder;
+  fs::create_directories(folder.path() / "fit/draws.part");  // the other's
+  const FolderLock other(folder.path() / "fit", "identification");
+  const CommandOutput output = grouser({"identify", plain_campaign(folder).string(), "-o", (folder / "fit").string()});
+  EXPECT_EQ(output.exit_code, 5);
+  EXPECT_THAT(output.err, HasSubstr("another process is still writing this identification"));
+  EXPECT_TRUE(fs::exists(folder.path() / "fit/draws.part"));
 }
 
 TEST(Identify, ListsCorrectionsAndChecksOfEveryAxis) {
