@@ -168,11 +168,19 @@ json section_facts(const RunFolder& run, const std::string& id) {
   return sections;
 }
 
+constexpr std::uintmax_t k_largest_film = 1u << 30;  // a page holds it whole, as text; read_whole() takes no larger
+
+bool has_huge_film(const RunFolder& run) {
+  std::error_code none;
+  const std::uintmax_t size = std::filesystem::file_size(run.path / "film.mp4", none);
+  return !none && size > k_largest_film;
+}
+
 /// A film of an earlier run of the folder does not bear this one's mark.
 json film_facts(const RunFolder& run) {
   const std::filesystem::path film = run.path / "film.mp4";
   std::error_code error;
-  if (!std::filesystem::is_regular_file(film, error)) return false;
+  if (!std::filesystem::is_regular_file(film, error) || has_huge_film(run)) return false;
   const std::string bytes = read_whole(film);
   if (bytes.find(film_mark(run)) == std::string::npos) return false;
   return {{"payload_mp4", base64(bytes)},
@@ -275,7 +283,8 @@ json run_facts(const RunFolder& run, const std::string& id, int level) {
   facts["is_synthetic"] = !facts["synthetic"].empty();
   facts["playback"] = playback_facts(run);
   facts["film"] = film_facts(run);
-  facts["motion"] = facts["playback"].is_object() || facts["film"].is_object();
+  facts["huge_film"] = has_huge_film(run);
+  facts["motion"] = facts["playback"].is_object() || facts["film"].is_object() || facts["huge_film"];
   facts["still"] = still_facts(run);
   facts["stills"] = facts["playback"].is_object() && !facts["film"].is_object() ? more_stills(run) : json::array();
   facts["has_stills"] = !facts["stills"].empty();

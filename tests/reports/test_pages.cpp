@@ -492,6 +492,14 @@ TEST_F(Pages, AFilmOfAnotherRunIsNotShown) {
   EXPECT_THAT(report({"run_a"}), Not(HasSubstr("video/mp4")));
 }
 
+TEST_F(Pages, AHugeFilmIsLeftOut) {
+  std::ofstream(folder_ / "run_a" / "film.mp4") << "film";
+  std::filesystem::resize_file(folder_ / "run_a" / "film.mp4", std::uintmax_t{2} << 30);  // a hole
+  const std::string html = report({"run_a"});
+  EXPECT_THAT(html, Not(HasSubstr("video/mp4")));
+  EXPECT_THAT(visible_text(html), HasSubstr("film.mp4 is left out: it is larger than 1 GB"));
+}
+
 TEST_F(Pages, ElementIdsStandOnce) {
   const std::string html = report({"run_a", "run_b", "identification"});
   std::set<std::string> seen;
