@@ -35,6 +35,11 @@ double tread_of(const Vehicle& vehicle) {
   return vehicle.side(Side::left).track_center_y - vehicle.side(Side::right).track_center_y;
 }
 
+std::size_t drawn_pixels(const RenderOptions& options, int supersampling) {
+  return static_cast<std::size_t>(supersampling * options.width) *
+         static_cast<std::size_t>(supersampling * options.height);
+}
+
 float aspect_of(const RenderOptions& options) {
   return static_cast<float>(options.width) / static_cast<float>(options.height);
 }
@@ -59,6 +64,7 @@ FrameMaker::FrameMaker(const RunFolder& run, const RenderOptions& options, int s
       note_(run.summary.provenance.synthetic.empty() ? "" : "synthetic rig data"),
       poses_(run),
       model_(run.vehicle, run.scenario.output.probes),
+      context_(drawn_pixels(options, supersampling)),
       renderer_(context_, supersampling * options.width, supersampling * options.height),
       caption_(context_, renderer_.width(), renderer_.height(), renderer_.picture()) {
   if (!options.overlays.empty()) overlay_.emplace(run, options.overlays, model_);
@@ -150,7 +156,7 @@ Image SplitScreen::at(double time) {
 }
 
 Image render_pose(const Vehicle& vehicle, const VehiclePose& pose, const RenderOptions& options) {
-  const GlContext context;
+  const GlContext context(drawn_pixels(options, k_still_supersampling));
   SceneRenderer renderer(context, k_still_supersampling * options.width, k_still_supersampling * options.height);
   const VehicleModel model(vehicle);
   Scene scene = model.place(pose);

@@ -44,18 +44,19 @@ struct GlContext::Impl {
 namespace {
 
 /// Mesa and LLVM take memory without looking whether they got it, and crash; what they need is asked for before.
-void require_memory() {
-  constexpr std::size_t k_needed = std::size_t{768} << 20;  // address space, measured for pictures up to 1280 x 720
-  void* const room =
-      mmap(nullptr, k_needed, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+void require_memory(std::size_t pixels) {
+  constexpr std::size_t k_small = std::size_t{768} << 20;  // address space, measured for pictures up to 1280 x 720
+  constexpr std::size_t k_of_pixel = 64;                   // 42 measured: samples, depths, the picture and its copy
+  const std::size_t needed = k_small + k_of_pixel * pixels;
+  void* const room = mmap(nullptr, needed, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (room == MAP_FAILED) throw std::bad_alloc();
-  munmap(room, k_needed);
+  munmap(room, needed);
 }
 
 }  // namespace
 
-GlContext::GlContext() : impl_(std::make_unique<Impl>()) {
-  require_memory();
+GlContext::GlContext(std::size_t pixels) : impl_(std::make_unique<Impl>()) {
+  require_memory(pixels);
   const std::array<int, 11> attributes{OSMESA_FORMAT,
                                        OSMESA_RGBA,
                                        OSMESA_DEPTH_BITS,

@@ -18,8 +18,9 @@ class GlError : public std::runtime_error {
 /// time.
 class GlContext {
  public:
-  /// Makes itself current. Throws GlError.
-  GlContext();
+  /// Makes itself current. `pixels`: of the largest picture that is to be drawn. Throws GlError, and std::bad_alloc
+  /// where there is too little memory for it.
+  explicit GlContext(std::size_t pixels = 0);
   ~GlContext();
   GlContext(const GlContext&) = delete;
   GlContext& operator=(const GlContext&) = delete;

@@ -180,6 +180,10 @@ TEST(GlContext, AGlErrorBecomesAnException) {
   context.check("nothing again");
 }
 
+TEST(GlContext, APictureThatMemoryCannotHoldIsRefusedBeforeMesaTakesIt) {
+  EXPECT_THROW(GlContext{std::size_t{1} << 50}, std::bad_alloc);
+}
+
 TEST(GlContext, TwoContextsDoNotDisturbEachOther) {
   Mesh box;
   box.add_box({0, 0, 0}, {0.5f, 0.5f, 0.75f}, 0.0f, k_red);
