@@ -25,6 +25,10 @@ void write_all(int descriptor, std::string_view bytes, const std::filesystem::pa
 
 constexpr std::uintmax_t k_most_bytes = 1u << 30;  // of a file that is held as a whole; films are the largest
 
+void require_short(std::uintmax_t bytes, const std::filesystem::path& file) {
+  if (bytes > k_most_bytes) throw FileError("cannot read " + file.string() + ": is larger than 1 GB");
+}
+
 /// Appends the next bytes; false at the end. By the system's own call: streams pass an error of the disk for the end.
 bool read_block(int descriptor, const std::filesystem::path& file, std::string& bytes) {
   constexpr std::size_t k_block = 1 << 18;
@@ -99,11 +103,12 @@ std::string read_whole(const std::filesystem::path& file) {
   require_plain_file(file);
   std::error_code unknown;
   const std::uintmax_t size = std::filesystem::file_size(file, unknown);
-  if (!unknown && size > k_most_bytes) throw FileError("cannot read " + file.string() + ": is larger than 1 GB");
+  if (!unknown) require_short(size, file);
   const Descriptor in(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
   if (in.number() < 0) fail_file("read", file);
   std::string bytes;
   while (read_block(in.number(), file, bytes)) {
+    require_short(bytes.size(), file);  // it grew, or is one of the system's, whose size is said to be 0
   }
   return bytes;
 }

@@ -31,6 +31,7 @@ def made_at_run_time(folder):
     os.symlink("loop_b.json", case("loop_a.json", "Too many levels of symbolic links"))
     os.symlink("loop_a.json", case("loop_b.json", "Too many levels of symbolic links"))
     os.symlink("/dev/zero", case("zero.json", "is a device"))
+    os.symlink("/proc/self/pagemap", case("endless.json", "larger than 1 GB"))  # a plain file, of no size that is told
     os.mkdir(case("folder", "not a run folder"))
     write("unreadable.json", b"{}", "Permission denied")
     os.chmod(os.path.join(folder, "unreadable.json"), 0)
