@@ -84,6 +84,17 @@ static enum Verdict judge(char kind, const char* path) {
   return refuse;
 }
 
+/// Ditto for a path that may begin in an open folder.
+static enum Verdict judge_at(char kind, int folder, const char* path) {
+  char link[64], absolute[PATH_MAX];
+  if (path == NULL || path[0] == '/' || folder == AT_FDCWD) return judge(kind, path);
+  snprintf(link, sizeof link, "/proc/self/fd/%d", folder);
+  const ssize_t length = readlink(link, absolute, sizeof absolute - 1);
+  if (length < 0 || absolute[0] != '/') return pass;
+  snprintf(absolute + length, sizeof absolute - length, "/%s", path);
+  return judge(kind, absolute);
+}
+
 static enum Verdict judge_open_file(char kind, int descriptor) {
   char link[64], path[PATH_MAX];
   if (calls == NULL || strchr(calls, kind) == NULL) return pass;
@@ -146,10 +157,23 @@ int rename(const char* from, const char* to) {
 }
 int renameat2(int from_folder, const char* from, int to_folder, const char* to, unsigned flags) {
   REAL(renameat2);
-  JUDGED(judge('n', to), real(from_folder, from, to_folder, to, flags), real(from_folder, from, to_folder, to, flags));
+  JUDGED(judge_at('n', to_folder, to), real(from_folder, from, to_folder, to, flags),
+         real(from_folder, from, to_folder, to, flags));
+}
+int renameat(int from_folder, const char* from, int to_folder, const char* to) {
+  REAL(renameat);
+  JUDGED(judge_at('n', to_folder, to), real(from_folder, from, to_folder, to), real(from_folder, from, to_folder, to));
 }
 int unlink(const char* path) {
   REAL(unlink);
+  JUDGED(judge('n', path), real(path), real(path));
+}
+int unlinkat(int folder, const char* path, int flags) {
+  REAL(unlinkat);
+  JUDGED(judge_at('n', folder, path), real(folder, path, flags), real(folder, path, flags));
+}
+int rmdir(const char* path) {
+  REAL(rmdir);
   JUDGED(judge('n', path), real(path), real(path));
 }
 int remove(const char* path) {
@@ -159,6 +183,10 @@ int remove(const char* path) {
 int mkdir(const char* path, mode_t mode) {
   REAL(mkdir);
   JUDGED(judge('n', path), real(path, mode), real(path, mode));
+}
+int mkdirat(int folder, const char* path, mode_t mode) {
+  REAL(mkdirat);
+  JUDGED(judge_at('n', folder, path), real(folder, path, mode), real(folder, path, mode));
 }
 
 ssize_t read(int from, void* bytes, size_t size) {
@@ -187,6 +215,18 @@ static char kind_of(int flags) { return flags & O_CREAT ? 'c' : 'r'; }
   }
 OPENED(open)
 OPENED(open64)
+
+#define OPENED_AT(name)                                                                                               \
+  int name(int folder, const char* path, int flags, ...) {                                                            \
+    REAL(name);                                                                                                       \
+    va_list rest;                                                                                                     \
+    va_start(rest, flags);                                                                                            \
+    const mode_t mode = va_arg(rest, mode_t);                                                                         \
+    va_end(rest);                                                                                                     \
+    JUDGED(judge_at(kind_of(flags), folder, path), real(folder, path, flags, mode), real(folder, path, flags, mode)); \
+  }
+OPENED_AT(openat)
+OPENED_AT(openat64)
 
 #define FILE_OPENED(name)                                                                        \
   FILE* name(const char* path, const char* mode) {                                               \
