@@ -41,6 +41,8 @@ class CheckpointWriter {
     bytes(&stored, sizeof stored);
     return now;
   }
+  /// What the reader is to require: true of all that is written.
+  void require(bool /*holds*/, const char* /*expected*/) const {}
   [[nodiscard]] const std::string& payload() const { return payload_; }
 
  private:
@@ -62,6 +64,10 @@ class CheckpointReader {
   /// The size that was stored. What has a size already belongs to a vehicle and keeps it: InputError where the stored
   /// one differs.
   std::size_t size(std::size_t now);
+  /// Throws InputError unless `holds`: a checksum says that the bytes are those that were written, not by whom.
+  void require(bool holds, const char* expected) const {
+    if (!holds) refuse(expected, "another");
+  }
   [[nodiscard]] bool at_end() const { return at_ == payload_.size(); }
 
  private:
@@ -250,6 +256,7 @@ void archive(Archive& a, RunMeasures& measures) {
       measures;
   a(samples, first, last, rest_ground_force, largest_aside, largest_way, straight_speed, turn_rate, tone_time,
     left_torque, rest_steps, steady_steps, rubber, largest_guide_offset, skipped_teeth, slack, case_total);
+  a.require(tone_time.size() == left_torque.size(), "a torque of the left sprocket at every time of its tone");
 }
 
 }  // namespace grouser

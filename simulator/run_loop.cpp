@@ -32,6 +32,8 @@ void RunLoop::begin() { recorder_.begin(snapshot()); }
 
 void RunLoop::take(CheckpointReader& checkpoint) {
   checkpoint(*this);
+  const double time = stepper_.state().time;
+  checkpoint.require(time >= 0.0 && time <= system_.scenario.duration, "a time of the run");
   CheckpointWriter stored, found;
   Acceleration archived = stepper_.acceleration(), evaluated = stepper_.reevaluate();
   stored(archived);

@@ -37,6 +37,7 @@ class Sampler {
   template <typename Archive>
   void archive(Archive& a) {
     a(count_);
+    a.require(count_ == static_cast<long>(writer_.rows().at(static_cast<std::size_t>(table_))), "the rows of run.h5");
   }
 
  private:

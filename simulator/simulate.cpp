@@ -100,6 +100,7 @@ RunSummary resume(const Scenario& scenario, const std::filesystem::path& folder,
   CheckpointReader checkpoint = read_checkpoint(folder, identity_of(scenario));
   RunStart start;
   start.assembled.state = make_state(system);
+  start.kept_rows.resize(ChannelRows(system).tables().size());
   checkpoint(start);
   RunLoop run(system, start, folder);
   run.take(checkpoint);

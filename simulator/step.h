@@ -45,6 +45,10 @@ class Stepper {
     a(states_[now_], states_[1 - now_], accelerations_[f_now_], accelerations_[f_before_], h_, previous_h_, limit_,
       last_limit_, limiting_, last_limiting_, last_error_, rejected_, evaluations_, worst_, stable_step_, bounding_,
       since_bound_);
+    for (const Part& part : {limiting_, last_limiting_, worst_, bounding_})
+      a.require(is_part(part), "links and bodies of the vehicle");
+    for (const StepLimit limit : {limit_, last_limit_})
+      a.require(limit >= StepLimit::error && limit <= StepLimit::fixed, "a limit of a step");
   }
   /// Fills the workspace of an archived state as the step that led to it did. Returns the accelerations that come out;
   /// the same program on the same machine finds those that were archived, to the last bit.
@@ -73,6 +77,10 @@ class Stepper {
   [[nodiscard]] Trial trial() const { return {states_[1 - now_], works_[1 - now_], accelerations_[f_next_]}; }
 
  private:
+  [[nodiscard]] bool is_part(const Part& part) const {
+    return part.link >= -1 && part.link < system_.link_array_length && part.body >= -1 &&
+           part.body < static_cast<int>(system_.tree.bodies.size());
+  }
   /// Largest local error of the trial over its tolerance; fills worst_.
   [[nodiscard]] double error_ratio(double h);
   void choose_next_step(double error_ratio);

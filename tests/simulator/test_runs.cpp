@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <random>
 #include <sstream>
@@ -11,6 +12,7 @@
 #include "model/errors.h"
 #include "simulator/checkpoint.h"
 #include "simulator/results.h"
+#include "simulator/run_loop.h"
 #include "simulator/simulate.h"
 #include "simulator/track_watch.h"
 #include "tests/support/temporary_folder.h"
@@ -79,6 +81,87 @@ TEST(Checkpoint, RefusesPartsOfAnotherVehicleAndPartsThatAreCutShort) {
   EXPECT_THAT(refusal(payload, longer), testing::HasSubstr("run/checkpoint: expected 552 numbers"));
   EXPECT_THAT(refusal(payload.substr(0, payload.size() - 1), make_state(system)),
               testing::HasSubstr("an end before the last of them"));
+}
+
+/// Bytes with another number at a place.
+template <typename T>
+std::string with(std::string bytes, std::size_t at, T value) {
+  std::memcpy(bytes.data() + at, &value, sizeof value);
+  return bytes;
+}
+
+TEST(Checkpoint, RefusesPartsThatTheVehicleDoesNotHave) {
+  const VehicleScene& scene = reference_scene();
+  Stepper stepper(scene.system, scene.rest.state, scene.rest.knobs);
+  CheckpointWriter writer;
+  writer(stepper);
+  // Behind the states: the limits of a step, four parts of a link and a body each, and numbers that may be any.
+  constexpr std::size_t k_words = 19, k_indices = 4 * 2 + 2;
+  const std::size_t size = writer.payload().size();
+  for (const int wrong : {1'000'000'000, -2, -1'000'000'000}) {
+    std::size_t refused = 0;
+    for (std::size_t word = 1; word <= k_words; ++word) {
+      CheckpointReader reader(with(writer.payload(), size - 4 * word, wrong), "run/checkpoint");
+      try {
+        reader(stepper);
+      } catch (const InputError& error) {
+        ++refused;
+        EXPECT_THAT(error.what(), testing::HasSubstr("run/checkpoint: expected "));
+      }
+    }
+    EXPECT_EQ(refused, k_indices) << wrong;
+  }
+}
+
+/// What taking this checkpoint into a new run of the reference vehicle throws.
+std::string refusal_by_run(const std::string& payload) {
+  const TemporaryFolder folder;
+  RunStart start;
+  start.assembled = reference_scene().rest;
+  RunLoop run(reference_scene().system, start, folder.path());
+  run.begin();
+  CheckpointReader reader(payload, "run/checkpoint");
+  try {
+    run.take(reader);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Checkpoint, RefusesTimesAndRowsThatTheRunDoesNotHave) {
+  const VehicleScene& scene = reference_scene();
+  const TemporaryFolder folder;
+  RunStart start;
+  start.assembled = scene.rest;
+  RunLoop run(scene.system, start, folder.path());
+  run.begin();
+  CheckpointWriter all, stepper_only, book_only;
+  all(run);
+  Stepper stepper(scene.system, scene.rest.state, scene.rest.knobs);
+  stepper_only(stepper);
+  EnergyBook book;
+  book_only(book);
+  // Nothing of it is wrong. Only a step fills the workspace in the way that the last look evaluates again.
+  EXPECT_THAT(refusal_by_run(all.payload()), testing::HasSubstr("expected accelerations"));
+  for (const double time : {-1.0, 1e300, std::nan("")})
+    EXPECT_THAT(refusal_by_run(with(all.payload(), 0, time)), testing::HasSubstr("expected a time of the run"));
+  const std::size_t samples = stepper_only.payload().size() + book_only.payload().size();
+  for (const long count : {-1L << 60, 0L, 1L << 60})
+    EXPECT_THAT(refusal_by_run(with(all.payload(), samples, count)), testing::HasSubstr("expected the rows of run.h5"));
+}
+
+TEST(Checkpoint, RefusesTablesThatRunH5DoesNotHave) {
+  const TemporaryFolder folder;
+  const System& system = reference_scene().system;
+  RunStart start;
+  start.assembled = reference_scene().rest;
+  start.kept_rows.assign(4, 0);
+  CheckpointWriter parts;
+  parts(start);
+  write_checkpoint(folder.path(), identity_of(system.scenario), parts);
+  EXPECT_THAT([&] { (void)resume(system.scenario, folder.path()); },
+              testing::ThrowsMessage<InputError>(testing::HasSubstr("numbers, as the vehicle has them, found 4")));
 }
 
 /// The same value for both tracks of the vehicle.
