@@ -8,28 +8,7 @@ import tempfile
 import time
 import unittest
 
-from command import COMMAND, DATA, run
-
-SHORT_S = 0.2
-
-
-def short_data(folder):
-    """test_data with runs of a fifth of a second."""
-    for name in ("rig", "vehicles", "bushings"):
-        os.symlink(os.path.join(DATA, name), os.path.join(folder, name))
-    os.mkdir(os.path.join(folder, "scenarios"))
-    for name in ("run_a.json", "run_b.json"):
-        with open(os.path.join(DATA, "scenarios", name), encoding="utf-8") as file:
-            scenario = json.load(file)
-        scenario["duration_s"] = SHORT_S
-        with open(os.path.join(folder, "scenarios", name), "w", encoding="utf-8") as file:
-            json.dump(scenario, file)
-    return folder
-
-
-def children_of(process):
-    with open(f"/proc/{process}/task/{process}/children", encoding="utf-8") as file:
-        return [int(child) for child in file.read().split()]
+from command import COMMAND, SHORT_S, children_of, run, short_data
 
 
 def alive(process):

@@ -11,11 +11,10 @@ import unittest
 
 import h5py
 
-from command import COMMAND, DATA, run
+from command import CLOCK, COMMAND, DATA, run
 
 SCENARIO = os.path.join(DATA, "scenarios/m113.json")
 OPTIONS = ["--set", "duration_s=2.6", "--set", "assembly.settle_time_s=2.6"]  # a quick settling
-CLOCK = ("wall_time_s", "assembly_wall_time_s", "real_time_factor")
 
 
 def datasets(folder):

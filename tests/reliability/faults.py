@@ -16,10 +16,10 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 
 import injection
-from injection import COMMAND, environment, finish, read, run, seeded, spread, stages, told, tree
-from kills import CHANGES, SEED, short_data
+from injection import COMMAND, children_of, environment, finish, read, run, seeded, short_data, spread, stages, told, tree
+from kills import CHANGES, SEED
 
-DONE, FILE_FAILURE, INTERRUPTED = 0, 5, 130
+DONE, FILE_FAILURE, INTERNAL_ERROR, INTERRUPTED = 0, 5, 70, 130
 
 
 class Trial:
@@ -228,6 +228,69 @@ def closed_help():
     return [] if done.returncode == FILE_FAILURE else [f"--help, stdout closed: ended with {done.returncode}"]
 
 
+def internal_error(home):
+    """A fault of the program's own: it says that it is one, and leaves nothing."""
+    done = run(["render", "run", "--still", "0.1", "-o", "no_gl"], home, environment(gl=False))
+    said = [line for line in done.stderr.splitlines() if line.startswith("grouser: error: internal error: ")]
+    right = done.returncode == INTERNAL_ERROR and len(said) == 1 and "please report it" in said[0]
+    left = injection.tree(os.path.join(home, "no_gl"))
+    return [] if right and not left else [f"no GL context: ended with {done.returncode}: {done.stderr[-300:]}; left {left}"]
+
+
+def state_of(process):
+    """Of /proc: R, S, T for stopped, Z; empty when there is none."""
+    try:
+        with open(f"/proc/{process}/stat", encoding="utf-8") as file:
+            return file.read().rsplit(")", 1)[1].split()[0]
+    except FileNotFoundError:
+        return ""
+
+
+def await_state(process, states):
+    give_up = time.monotonic() + injection.PATIENCE
+    while state_of(process) not in states and time.monotonic() < give_up:
+        time.sleep(0.01)
+    return state_of(process) in states
+
+
+def while_surveyed(home):
+    """A command that waits for the child that surveys its run.h5, and that child, stopped at a read."""
+    for number in range(1, 50):
+        process = injection.start(["render", "run", "--frames", "-o", "surveyed", *injection.PICTURE], home,
+                                  environment(under=os.path.join(home, "run", "run.h5"), calls="r", at=number, do="stop"),
+                                  stderr=subprocess.PIPE, text=True, start_new_session=True)
+        while process.poll() is None and state_of(process.pid) != "T":
+            stopped = [child for child in children_of(process.pid) if state_of(child) == "T"]
+            if stopped:
+                return process, stopped[0]
+            time.sleep(0.01)
+        process.kill()
+        process.communicate()
+    raise AssertionError("expected a child that reads run.h5, found none")
+
+
+def killed_while_surveying(home):
+    """The child that reads HDF5 ends with its parent: it would keep the lock of the run."""
+    process, child = while_surveyed(home)
+    process.kill()
+    process.communicate()
+    if await_state(child, ("", "Z")):
+        return []
+    os.kill(child, signal.SIGKILL)
+    return ["killed while run.h5 was surveyed: its child went on"]
+
+
+def interrupted_while_surveying(home):
+    """Ctrl-C on a terminal reaches parent and child: the parent answers it, and nothing is said of the file."""
+    process, child = while_surveyed(home)
+    os.killpg(process.pid, signal.SIGINT)
+    os.kill(child, signal.SIGCONT)
+    _, said = process.communicate(timeout=injection.PATIENCE)
+    right = process.returncode == INTERRUPTED and sum("error" in line for line in said.splitlines()) == 1
+    return [] if right and await_state(child, ("",)) else [
+        f"SIGINT while run.h5 was surveyed: ended with {process.returncode}: {said[-300:]}"]
+
+
 MEMORY = ["memory", "allocat", "Cannot allocate", "Resource temporarily unavailable"]
 
 
@@ -283,6 +346,11 @@ def trials_of(stage, home, amount, chance):
     }
 
 
+ALONE = {"the demo interrupted": interrupted_demo, "--help into a closed pipe": lambda home: closed_help(),
+         "a fault of the program's own": internal_error, "SIGKILL while run.h5 is surveyed": killed_while_surveying,
+         "SIGINT while run.h5 is surveyed": interrupted_while_surveying}
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--thorough", action="store_true", help="the long form")
@@ -311,9 +379,10 @@ def main():
                 failures += wrong
             shutil.rmtree(stage.home)
         if options.only is None and options.fault is None:
-            wrong = told(interrupted_demo(home) + closed_help())
-            counts["the demo interrupted, --help into a closed pipe"] = (2, len(wrong))
-            failures += wrong
+            for name, fault in ALONE.items():
+                wrong = told(fault(home))
+                counts[name] = (1, len(wrong))
+                failures += wrong
     rows = [{"what": name, "count": injected, "result": f"{lost} failures"} for name, (injected, lost) in counts.items()]
     notes = ["Behind each fault: exit code and message are looked at, every file is the old one or the new one, and the "
              "same command without the fault gives the bytes that it always gives."]

@@ -16,11 +16,10 @@ import tempfile
 import h5py
 
 sys.path.insert(0, os.path.join(os.environ["GROUSER_SOURCE_DIR"], "tests", "pipeline"))
-from command import COMMAND, DATA  # noqa: E402
+from command import CLOCK, COMMAND, DATA  # noqa: E402
 from part import main  # noqa: E402
 
 SEED = 20261122
-CLOCK = ("wall_time_s", "assembly_wall_time_s", "real_time_factor")
 QUICK = ["--set", "assembly.settle_time_s=2.6"]
 SCENARIO = os.path.join(DATA, "scenarios/m113.json")
 RIG = os.path.join(DATA, "rig/reference/rig.json")

@@ -12,17 +12,16 @@ import time
 import h5py
 
 sys.path.insert(0, os.path.join(os.environ["GROUSER_SOURCE_DIR"], "tests", "pipeline"))
-from command import COMMAND, DATA  # noqa: E402
+from command import CLOCK, COMMAND, DATA, children_of, short_data  # noqa: E402, F401
 
 INTERPOSER = os.path.join(os.path.dirname(os.path.abspath(COMMAND)), "libgrouser_interposer.so")
-CLOCK = ("wall_time_s", "assembly_wall_time_s", "real_time_factor")
 SCENARIO = os.path.join(DATA, "scenarios/m113.json")
 RUN = ["--set", "duration_s=1.1", "--set", "assembly.settle_time_s=2.6"]  # one checkpoint on the way, a quick settling
 PICTURE = ["--size", "160x90"]
 PATIENCE = 300.0  # s, for one command on a loaded machine
 
 
-def environment(under=None, calls="", at=0, do="", log=None, clock=False):
+def environment(under=None, calls="", at=0, do="", log=None, clock=False, gl=True):
     """What makes the interposer inject a fault (see there)."""
     if not os.path.exists(INTERPOSER):
         raise FileNotFoundError(f"{INTERPOSER}: expected the library built of interposer.c beside the program")
@@ -36,6 +35,8 @@ def environment(under=None, calls="", at=0, do="", log=None, clock=False):
         faulty["GROUSER_FAULT_LOG"] = log
     if clock:
         faulty["GROUSER_FAULT_CLOCK"] = "1"
+    if not gl:
+        faulty["GROUSER_FAULT_GL"] = "1"
     return faulty
 
 

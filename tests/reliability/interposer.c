@@ -8,6 +8,7 @@
 //                        number of an error, once | the same with + behind it: from there on
 //   GROUSER_FAULT_LOG    a line is appended to this file for every call that counts
 //   GROUSER_FAULT_CLOCK  the time of day runs backwards, an hour a look
+//   GROUSER_FAULT_GL     OSMesa gives no context, which no input of a user brings about
 // Processes that are forked count together.
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -31,7 +32,7 @@
 static const char *under, *calls, *action;
 static long at;
 static int log_file = -1;
-static int clock_runs_back;
+static int clock_runs_back, no_gl;
 static atomic_long* count;  // shared with what is forked
 
 __attribute__((constructor)) static void begin(void) {
@@ -40,6 +41,7 @@ __attribute__((constructor)) static void begin(void) {
   action = getenv("GROUSER_FAULT_DO");
   at = getenv("GROUSER_FAULT_AT") ? atol(getenv("GROUSER_FAULT_AT")) : 0;
   clock_runs_back = getenv("GROUSER_FAULT_CLOCK") != NULL;
+  no_gl = getenv("GROUSER_FAULT_GL") != NULL;
   const char* log = getenv("GROUSER_FAULT_LOG");
   if (log) log_file = (int)syscall(SYS_openat, AT_FDCWD, log, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   count = mmap(NULL, sizeof *count, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
@@ -239,6 +241,11 @@ OPENED_AT(openat64)
   }
 FILE_OPENED(fopen)
 FILE_OPENED(fopen64)
+
+void* OSMesaCreateContextAttribs(const int* attributes, void* shared) {
+  REAL(OSMesaCreateContextAttribs);
+  return no_gl ? NULL : real(attributes, shared);
+}
 
 static void turn_back(struct timespec* now) {
   static atomic_long looks;

@@ -12,7 +12,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 
 import injection
-from injection import DATA, finish, must, run, seeded, spread, stages, start, told
+from injection import children_of, finish, must, run, seeded, short_data, spread, stages, start, told
 
 SEED = 20261122
 CHANGES = "wsnc"  # writes, syncs, names, creations
@@ -86,27 +86,9 @@ def unfinished(folder):
     return wrong
 
 
-def short_data(folder):
-    """test_data whose runs take a fifth of a second."""
-    for name in ("rig", "vehicles", "bushings"):
-        os.symlink(os.path.join(DATA, name), os.path.join(folder, name))
-    os.mkdir(os.path.join(folder, "scenarios"))
-    for name in ("run_a.json", "run_b.json"):
-        with open(os.path.join(DATA, "scenarios", name), encoding="utf-8") as file:
-            scenario = json.load(file)
-        scenario["duration_s"] = 0.2
-        with open(os.path.join(folder, "scenarios", name), "w", encoding="utf-8") as file:
-            json.dump(scenario, file)
-    return folder
-
-
 def end_all(process):
     """The command and the processes that it started, at once: what a loss of power does. True when it was still alive."""
-    try:
-        with open(f"/proc/{process.pid}/task/{process.pid}/children", encoding="utf-8") as file:
-            children = [int(child) for child in file.read().split()]
-    except FileNotFoundError:
-        children = []
+    children = children_of(process.pid)
     process.kill()
     for child in children:
         try:

@@ -12,10 +12,9 @@ import tempfile
 from concurrent.futures import ThreadPoolExecutor
 
 sys.path.insert(0, os.path.join(os.environ["GROUSER_SOURCE_DIR"], "tests", "pipeline"))
-from command import DATA, SHORT_RUN, run  # noqa: E402
+from command import CLOCK, DATA, SHORT_RUN, run  # noqa: E402
 from part import main  # noqa: E402
 
-CLOCK = ("wall_time_s", "assembly_wall_time_s", "real_time_factor")
 RIG, PROTOCOL = os.path.join(DATA, "rig/reference/rig.json"), os.path.join(DATA, "rig/protocol/rig.json")
 RUNS = ("run_a", "run_b")
 
