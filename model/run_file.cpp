@@ -9,13 +9,6 @@
 namespace grouser {
 namespace {
 
-Hdf5Handle string_type() {
-  Hdf5Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  H5Tset_size(type.id(), H5T_VARIABLE);
-  H5Tset_cset(type.id(), H5T_CSET_UTF8);
-  return type;
-}
-
 /// Creation options that leave the clock out of the file: the same run gives the same bytes.
 Hdf5Handle without_times(hid_t kind) {
   Hdf5Handle list(H5Pcreate(kind), H5Pclose);
@@ -41,7 +34,7 @@ Hdf5Handle create_file(const std::filesystem::path& file) {
 }
 
 void write_unit(hid_t dataset, const std::string& unit) {
-  const Hdf5Handle type = string_type(), space(H5Screate(H5S_SCALAR), H5Sclose);
+  const Hdf5Handle type = text_in_memory(), space(H5Screate(H5S_SCALAR), H5Sclose);
   const Hdf5Handle attribute(H5Acreate2(dataset, "unit", type.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
   const char* text = unit.c_str();
   H5Awrite(attribute.id(), type.id(), &text);
@@ -51,7 +44,7 @@ void write_names(hid_t file, const std::string& path, const std::vector<std::str
   std::vector<const char*> texts(names.size());
   std::transform(names.begin(), names.end(), texts.begin(), [](const std::string& name) { return name.c_str(); });
   const hsize_t count = names.size();
-  const Hdf5Handle type = string_type(), space(H5Screate_simple(1, &count, nullptr), H5Sclose);
+  const Hdf5Handle type = text_in_memory(), space(H5Screate_simple(1, &count, nullptr), H5Sclose);
   const Hdf5Handle creation = without_times(H5P_DATASET_CREATE);
   create_groups(file, path);
   const Hdf5Handle set(H5Dcreate2(file, path.c_str(), type.id(), space.id(), H5P_DEFAULT, creation.id(), H5P_DEFAULT),

@@ -49,4 +49,12 @@ T* av_made(T* pointer, const std::string& what) {
 /// A file's name as FFmpeg takes it for nothing else: "http:" or "concat:" at its beginning would not name a file.
 inline std::string av_file_url(const std::filesystem::path& file) { return "file:" + file.string(); }
 
+/// A file to be read. Throws Error.
+template <typename Error>
+AvInputHandle av_opened(const std::filesystem::path& file, const std::string& what) {
+  AVFormatContext* input = nullptr;
+  av_checked<Error>(avformat_open_input(&input, av_file_url(file).c_str(), nullptr, nullptr), what);
+  return AvInputHandle(input);
+}
+
 }  // namespace grouser

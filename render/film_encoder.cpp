@@ -1,6 +1,6 @@
 #include "render/film_encoder.h"
 
-#include "render/av_handles.h"
+#include "render/av_pictures.h"
 #include "render/film_reader.h"
 
 namespace grouser {
@@ -13,11 +13,13 @@ constexpr const char* k_preset = "veryfast";
 constexpr const char* k_quality = "22";  ///< CRF, 18 looks lossless, 23 is the default
 constexpr int k_longest_gap = 250;       ///< frames between key frames
 
-int checked(int code, const fs::path& file) { return av_checked(code, "cannot write " + file.string()); }
+std::string not_writable(const fs::path& file) { return "cannot write " + file.string(); }
+
+int checked(int code, const fs::path& file) { return av_checked(code, not_writable(file)); }
 
 template <typename T>
 T* made(T* pointer, const fs::path& file) {
-  return av_made(pointer, "cannot write " + file.string());
+  return av_made(pointer, not_writable(file));
 }
 
 /// An MP4 file with one stream.
@@ -60,10 +62,7 @@ class Mp4Writer {
 std::string not_readable(const fs::path& film) { return "cannot read " + film.string(); }
 
 AvInputHandle open_film(const fs::path& film) {
-  AVFormatContext* opened = nullptr;
-  av_checked<DamagedFilm>(avformat_open_input(&opened, av_file_url(film).c_str(), nullptr, nullptr),
-                          not_readable(film));
-  AvInputHandle in(opened);
+  AvInputHandle in = av_opened<DamagedFilm>(film, not_readable(film));
   if (in->nb_streams != 1) throw DamagedFilm(not_readable(film) + ": expected one stream");
   return in;
 }
@@ -115,16 +114,9 @@ struct FilmEncoder::Impl {
       : file(path),
         codec(open_x264(path, width, height, fps)),
         out(path),
-        frame(made(av_frame_alloc(), path)),
-        packet(made(av_packet_alloc(), path)) {
-    frame->format = codec->pix_fmt;
-    frame->width = width;
-    frame->height = height;
-    checked(av_frame_get_buffer(frame.get(), 0), file);
-    constexpr int k_exact = SWS_BICUBIC | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INP | SWS_BITEXACT;
-    to_yuv.reset(made(sws_getContext(width, height, AV_PIX_FMT_BGR24, width, height, AV_PIX_FMT_YUV420P, k_exact,
-                                     nullptr, nullptr, nullptr),
-                      file));
+        frame(av_frame_of(width, height, codec->pix_fmt, not_writable(path))),
+        packet(made(av_packet_alloc(), path)),
+        to_yuv(av_scaler(width, height, AV_PIX_FMT_BGR24, codec->pix_fmt, not_writable(path))) {
     const int* bt709 = sws_getCoefficients(SWS_CS_ITU709);
     sws_setColorspaceDetails(to_yuv.get(), bt709, 1, bt709, 0, 0, 1 << 16, 1 << 16);
     AVStream& stream = out.stream();
@@ -158,9 +150,7 @@ FilmEncoder::~FilmEncoder() = default;
 void FilmEncoder::add(const Image& image) {
   AVFrame& frame = *impl_->frame;
   checked(av_frame_make_writable(&frame), impl_->file);
-  const std::array<const std::uint8_t*, 1> rows{image.bgr.data()};
-  const std::array<int, 1> stride{3 * image.width};
-  sws_scale(impl_->to_yuv.get(), rows.data(), stride.data(), 0, image.height, frame.data, frame.linesize);
+  convert(*impl_->to_yuv, image, frame);
   frame.pts = impl_->count++;
   impl_->encode(&frame);
 }

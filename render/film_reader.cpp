@@ -1,18 +1,8 @@
 #include "render/film_reader.h"
 
-#include "render/av_handles.h"
+#include "render/av_pictures.h"
 
 namespace grouser {
-namespace {
-
-AvInputHandle opened(const std::filesystem::path& file, const std::string& what) {
-  AVFormatContext* input = nullptr;
-  av_checked<DamagedFilm>(avformat_open_input(&input, av_file_url(file).c_str(), nullptr, nullptr), what);
-  return AvInputHandle(input);
-}
-
-}  // namespace
-
 struct FilmReader::Impl {
   std::string what;  ///< begins every message
   AvInputHandle input;
@@ -20,7 +10,8 @@ struct FilmReader::Impl {
   AvFrameHandle frame{av_made(av_frame_alloc(), what)};
   AvPacketHandle packet{av_made(av_packet_alloc(), what)};
 
-  explicit Impl(const std::filesystem::path& file) : what("cannot read " + file.string()), input(opened(file, what)) {
+  explicit Impl(const std::filesystem::path& file)
+      : what("cannot read " + file.string()), input(av_opened<DamagedFilm>(file, what)) {
     if (input->nb_streams != 1 || input->streams[0]->codecpar->codec_id != AV_CODEC_ID_H264)
       throw DamagedFilm(what + ": expected one stream in H.264");
     codec.reset(av_made(avcodec_alloc_context3(avcodec_find_decoder(AV_CODEC_ID_H264)), what));
@@ -52,19 +43,11 @@ bool FilmReader::next() {
 
 Image FilmReader::frame() const {
   const AVFrame& from = *impl_->frame;
-  Image image{from.width, from.height, {}};
-  image.bgr.resize(static_cast<std::size_t>(3 * image.width) * static_cast<std::size_t>(image.height));
-  const auto format = static_cast<AVPixelFormat>(from.format);
-  constexpr int k_exact = SWS_BICUBIC | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT | SWS_BITEXACT;
-  const AvScalerHandle scaler(av_made(sws_getContext(from.width, from.height, format, from.width, from.height,
-                                                     AV_PIX_FMT_BGR24, k_exact, nullptr, nullptr, nullptr),
-                                      impl_->what));
+  const AvScalerHandle scaler =
+      av_scaler(from.width, from.height, static_cast<AVPixelFormat>(from.format), AV_PIX_FMT_BGR24, impl_->what);
   const int* bt709 = sws_getCoefficients(SWS_CS_ITU709);
   sws_setColorspaceDetails(scaler.get(), bt709, 0, bt709, 1, 0, 1 << 16, 1 << 16);
-  const std::array<std::uint8_t*, 1> rows{image.bgr.data()};
-  const std::array<int, 1> stride{3 * image.width};
-  sws_scale(scaler.get(), from.data, from.linesize, 0, from.height, rows.data(), stride.data());
-  return image;
+  return converted(*scaler, from);
 }
 
 }  // namespace grouser

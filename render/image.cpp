@@ -4,27 +4,10 @@
 
 #include "model/errors.h"
 #include "model/provenance.h"
-#include "render/av_handles.h"
+#include "render/av_pictures.h"
 
 namespace grouser {
 namespace {
-
-/// A frame of the picture in another arrangement of its pixels.
-AvFrameHandle frame_of(const Image& image, AVPixelFormat format, const std::string& what) {
-  AvFrameHandle frame(av_made(av_frame_alloc(), what));
-  frame->format = format;
-  frame->width = image.width;
-  frame->height = image.height;
-  av_checked(av_frame_get_buffer(frame.get(), 0), what);
-  constexpr int k_exact = SWS_BICUBIC | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INP | SWS_BITEXACT;
-  const AvScalerHandle scaler(av_made(sws_getContext(image.width, image.height, AV_PIX_FMT_BGR24, image.width,
-                                                     image.height, format, k_exact, nullptr, nullptr, nullptr),
-                                      what));
-  const std::array<const std::uint8_t*, 1> rows{image.bgr.data()};
-  const std::array<int, 1> stride{3 * image.width};
-  sws_scale(scaler.get(), rows.data(), stride.data(), 0, image.height, frame->data, frame->linesize);
-  return frame;
-}
 
 /// One picture by one of FFmpeg's codecs. `options`: as av_dict_parse_string() takes them.
 std::vector<std::uint8_t> encoded(const Image& image, const char* codec_name, AVPixelFormat format,
@@ -42,7 +25,8 @@ std::vector<std::uint8_t> encoded(const Image& image, const char* codec_name, AV
   const int opened = avcodec_open2(codec.get(), encoder, &dictionary);
   av_dict_free(&dictionary);
   av_checked(opened, what);
-  const AvFrameHandle frame = frame_of(image, format, what);
+  const AvFrameHandle frame = av_frame_of(image.width, image.height, format, what);
+  convert(*av_scaler(image.width, image.height, AV_PIX_FMT_BGR24, format, what), image, *frame);
   const AvPacketHandle packet(av_made(av_packet_alloc(), what));
   av_checked(avcodec_send_frame(codec.get(), frame.get()), what);
   av_checked(avcodec_send_frame(codec.get(), nullptr), what);
