@@ -196,6 +196,9 @@ inline LaneMask LaneMask::first(int count) {
   return Lanes(Lanes::Values{0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0}) < Lanes(count);
 }
 
+/// Begins where a line of the cache does, so that a block of eight numbers at a multiple of eight stands in one.
+using AlignedNumbers = std::vector<double, Eigen::aligned_allocator<double>>;
+
 /// Rows of numbers that are looked up at eight places at once. Column 0 rises and says where a row begins.
 template <std::size_t columns>
 class LaneTable {
@@ -259,7 +262,7 @@ class LaneTable {
   }
 #endif
   std::size_t length_ = 0;  ///< of a column
-  std::vector<double> values_;
+  AlignedNumbers values_;
 };
 
 /// Three-vectors of eight links.
@@ -289,8 +292,7 @@ template <typename Scale>
 /// + i].
 class Field {
  public:
-  /// Begins where a block of lanes does, so that a block at a multiple of eight stands in one line of the cache.
-  using Values = std::vector<double, Eigen::aligned_allocator<double>>;
+  using Values = AlignedNumbers;
   Field() = default;
   Field(int components, int length) : length_(length), data_(static_cast<std::size_t>(components) * length, 0.0) {}
   [[nodiscard]] double* operator[](int component) {
