@@ -30,12 +30,34 @@ struct PointMobility {
   }
 };
 
+/// What one point's bristles on eight links in a row remember: a place in the history's anchor fields, which are alike.
+class BristleRow {
+ public:
+  BristleRow(const History& before, History& after, int row, int first)
+      : before_(before), after_(after), at_(before.anchored[row] + first - before.anchored[0]) {}
+  [[nodiscard]] Lanes old(Field History::*field) const { return load((before_.*field)[0] + at_); }
+  void keep(Field History::*field, const Lanes& value) const { store((after_.*field)[0] + at_, value); }
+
+ private:
+  const History& before_;
+  History& after_;
+  std::ptrdiff_t at_;
+};
+
+/// Which bristles touch now, and which were held at the last accepted state.
+struct Grip {
+  LaneMask touching, held;
+  /// depth: 0 where there is none.
+  Grip(const BristleRow& row, const Lanes& depth) : touching(0.0 < depth), held(0.5 < row.old(&History::anchored)) {
+    row.keep(&History::anchored, choose(touching, 1.0, 0.0));
+  }
+  [[nodiscard]] bool any() const { return bits_of(touching | held) != 0; }
+};
+
 /// One point of eight links in a row against one body of the ground.
 struct GroundPoint {
   const CompiledTrack& track;
-  double h;   ///< since the last accepted state [s]
-  int row;    ///< in the history's anchor fields
-  int first;  ///< link array index of lane 0
+  double h;  ///< since the last accepted state [s]
   Lanes friction;
   double mobility_n, mobility_t;  ///< what a force along the normal and across it moves the point by [1/kg]
   Lanes3 arm, point;              ///< from the link's centre and from the origin, W
@@ -112,15 +134,13 @@ struct Bristle {
 
 /// Points `depth` [m] below the ground's surface along the normal of `frame`, 0 where they are not.
 template <typename Frame>
-void press(const GroundPoint& g, const Frame& frame, const Lanes& depth, const History& before, History& after,
+void press(const GroundPoint& g, const Frame& frame, const Lanes& depth, const Grip& grip, const BristleRow& row,
            BlockLoad& sum) {
   const CompiledTrack& track = g.track;
-  const LaneMask touching = 0.0 < depth, held = 0.5 < load(before.anchored[g.row] + g.first);
+  const auto& [touching, held] = grip;
   const double k = track.bristle_stiffness;
-  store(after.anchored[g.row] + g.first, choose(touching, 1.0, 0.0));
-  if (bits_of(touching | held) == 0) return;
-  const Lanes old_sx = choose(held, load(before.stretch_x[g.row] + g.first), 0.0);
-  const Lanes old_sy = choose(held, load(before.stretch_y[g.row] + g.first), 0.0);
+  const Lanes old_sx = choose(held, row.old(&History::stretch_x), 0.0);
+  const Lanes old_sy = choose(held, row.old(&History::stretch_y), 0.0);
   // A bristle let go gives up what it had stored.
   sum.step_loss += choose(touching, 0.0, 0.5 * k * (old_sx * old_sx + old_sy * old_sy));
   if (bits_of(touching) == 0) return;
@@ -128,8 +148,7 @@ void press(const GroundPoint& g, const Frame& frame, const Lanes& depth, const H
   const Lanes3 velocity = frame.to_contact(g.velocity);
   const Lanes closing = -velocity.z, elastic = track.ground.stiffness * depth;
   const Lanes factor = normal_factor(track.ground, closing), normal = elastic * factor;
-  Lanes3 old_anchor{load(before.anchor_x[g.row] + g.first), load(before.anchor_y[g.row] + g.first),
-                    load(before.anchor_z[g.row] + g.first)};
+  Lanes3 old_anchor{row.old(&History::anchor_x), row.old(&History::anchor_y), row.old(&History::anchor_z)};
   if (bits_of(touching & !held) != 0) {
     old_anchor = choose(held, old_anchor, place_of_touch(g, frame, velocity, depth));
   }
@@ -144,11 +163,11 @@ void press(const GroundPoint& g, const Frame& frame, const Lanes& depth, const H
     const Lanes3 way = frame.to_contact(anchor - old_anchor);
     sum.step_loss += choose(b.drawn, 0.5 * k * ((sx + old_sx) * way.x + (sy + old_sy) * way.y), 0.0);
   }
-  store(after.anchor_x[g.row] + g.first, anchor.x);
-  store(after.anchor_y[g.row] + g.first, anchor.y);
-  store(after.anchor_z[g.row] + g.first, anchor.z);
-  store(after.stretch_x[g.row] + g.first, sx);
-  store(after.stretch_y[g.row] + g.first, sy);
+  row.keep(&History::anchor_x, anchor.x);
+  row.keep(&History::anchor_y, anchor.y);
+  row.keep(&History::anchor_z, anchor.z);
+  row.keep(&History::stretch_x, sx);
+  row.keep(&History::stretch_y, sy);
 
   const Lanes fx = choose(touching, b.force_x, 0.0), fy = choose(touching, b.force_y, 0.0);
   const Lanes spring_x = choose(touching, k * sx, 0.0), spring_y = choose(touching, k * sy, 0.0);
@@ -206,8 +225,7 @@ Touch touch_half_rounds(const GroundSurface& ground, const Vector3d& point) {
 
 /// Finds the touch of every lane that is near.
 template <typename Find>
-void press_uneven(const GroundPoint& g, const LaneMask& near, Find find, const History& before, History& after,
-                  BlockLoad& sum) {
+void press_uneven(const GroundPoint& g, const LaneMask& near, Find find, const BristleRow& row, BlockLoad& sum) {
   Lanes depth = 0.0;
   Lanes3 normal = in_all_lanes(Vector3d::UnitZ());
   for (unsigned left = bits_of(near); left != 0; left &= left - 1) {
@@ -219,7 +237,7 @@ void press_uneven(const GroundPoint& g, const LaneMask& near, Find find, const H
     normal.y.set(lane, touch.normal.y());
     normal.z.set(lane, touch.normal.z());
   }
-  press(g, TiltedFrame(normal), depth, before, after, sum);
+  if (const Grip grip(row, depth); grip.any()) press(g, TiltedFrame(normal), depth, grip, row, sum);
 }
 
 /// Links so low that they may touch.
@@ -276,29 +294,31 @@ void meet_ground(const GroundSurface& ground, const CompiledTrack& track, int fi
   BlockLoad sum;
   for (int p = 0; p < num_points; ++p) {
     const Vector3d& place_L = track.ground_points[static_cast<std::size_t>(p)];
-    const Lanes3 arm = place_L.x() * x + place_L.y() * y + place_L.z() * z, at = position + arm;
-    GroundPoint point{track,
-                      h,
-                      p,
-                      first,
-                      friction_at(ground, at),
-                      mobility.along_normal(place_L),
-                      mobility.tangential,
-                      arm,
-                      at,
-                      velocity + cross(turn, arm),
-                      work.bounds_step};
-    if (ground.level()) {
-      const Lanes depth = choose(near, -at.z, 0.0).max(0.0);
-      press(point, LevelFrame{}, depth, before, state.history, sum);
+    const auto point = [&] {
+      const Lanes3 arm = place_L.x() * x + place_L.y() * y + place_L.z() * z, at = position + arm;
+      return GroundPoint{track,
+                         h,
+                         friction_at(ground, at),
+                         mobility.along_normal(place_L),
+                         mobility.tangential,
+                         arm,
+                         at,
+                         velocity + cross(turn, arm),
+                         work.bounds_step};
+    };
+    const BristleRow row(before, state.history, p, first);
+    if (ground.level()) {  // few points touch: the rest of a point is for those
+      const Lanes height = position.z + (place_L.x() * x.z + place_L.y() * y.z + place_L.z() * z.z);
+      const Lanes depth = choose(near, -height, 0.0).max(0.0);
+      if (const Grip grip(row, depth); grip.any()) press(point(), LevelFrame{}, depth, grip, row, sum);
       continue;
     }
+    const GroundPoint g = point();
     const auto on_surface = [&](const Vector3d& there) { return touch_surface(ground, there); };
-    press_uneven(point, near, on_surface, before, state.history, sum);
+    press_uneven(g, near, on_surface, row, sum);
     if (ground.half_rounds().empty()) continue;
-    point.row += num_points;
     const auto on_half_rounds = [&](const Vector3d& there) { return touch_half_rounds(ground, there); };
-    press_uneven(point, near, on_half_rounds, before, state.history, sum);
+    press_uneven(g, near, on_half_rounds, BristleRow(before, state.history, num_points + p, first), sum);
   }
   book(sum, first, sums, work);
 }
