@@ -29,7 +29,7 @@ void accelerate(const LinkBodies& bodies, const Vector3d& g, double mass_damping
                 Acceleration& acceleration) {
   const Vector3d &inertia = bodies.inertia, per_inertia = inertia.cwiseInverse();
   const double per_mass = 1.0 / bodies.mass;
-  Lanes kinetic = 0.0, height = 0.0;
+  Lanes kinetic = 0.0, height = 0.0, all = 0.0;
   for (int first = 0; first < bodies.count; first += k_lanes) {
     const int i = bodies.offset + first;
     const Lanes3 v = load3(state.velocity, i), w = load3(state.angular_velocity, i);
@@ -39,18 +39,21 @@ void accelerate(const LinkBodies& bodies, const Vector3d& g, double mass_damping
                         r(1) * torque_W.x + r(4) * torque_W.y + r(7) * torque_W.z,
                         r(2) * torque_W.x + r(5) * torque_W.y + r(8) * torque_W.z};
     const double d = mass_damping;
-    store3(acceleration.linear, i, per_mass * force + in_all_lanes(g) - d * v);
-    store3(acceleration.angular, i,
-           {per_inertia.x() * (torque.x - (inertia.z() - inertia.y()) * w.y * w.z) - d * w.x,
-            per_inertia.y() * (torque.y - (inertia.x() - inertia.z()) * w.z * w.x) - d * w.y,
-            per_inertia.z() * (torque.z - (inertia.y() - inertia.x()) * w.x * w.y) - d * w.z});
+    const Lanes3 linear = per_mass * force + in_all_lanes(g) - d * v;
+    const Lanes3 angular{per_inertia.x() * (torque.x - (inertia.z() - inertia.y()) * w.y * w.z) - d * w.x,
+                         per_inertia.y() * (torque.y - (inertia.x() - inertia.z()) * w.z * w.x) - d * w.y,
+                         per_inertia.z() * (torque.z - (inertia.y() - inertia.x()) * w.x * w.y) - d * w.z};
+    store3(acceleration.linear, i, linear);
+    store3(acceleration.angular, i, angular);
     const Lanes energy =
         0.5 * (bodies.mass * dot(v, v) + inertia.x() * w.x * w.x + inertia.y() * w.y * w.y + inertia.z() * w.z * w.z);
     const Lanes lift = -bodies.mass * (g.x() * p.x + g.y() * p.y + g.z() * p.z);
     const LaneMask valid = LaneMask::first(bodies.count - first);
+    all += choose(valid, (linear.x + linear.y + linear.z) + (angular.x + angular.y + angular.z), 0.0);
     kinetic += choose(valid, energy, 0.0);
     height += choose(valid, lift, 0.0);
   }
+  work.sum_of_accelerations += all.sum();
   work.energy.kinetic += kinetic.sum();
   work.energy.gravity += height.sum();
   work.energy.assembly_power += 2.0 * mass_damping * kinetic.sum();
@@ -60,6 +63,7 @@ void accelerate(const LinkBodies& bodies, const Vector3d& g, double mass_damping
 
 void link_accelerations(const System& system, const AssemblyKnobs& knobs, const State& state, Workspace& work,
                         Acceleration& acceleration) {
+  work.sum_of_accelerations = 0.0;
   for (const CompiledTrack& track : system.tracks) {
     for (const LinkBodies& bodies : track.bodies) {
       accelerate(bodies, system.gravity_W, knobs.mass_damping, state, work, acceleration);

@@ -114,6 +114,7 @@ struct Workspace {
   /// Maxwell constants for the step's length, by side and axis, by bushing_forces.
   std::array<std::array<AxisBranches, k_num_axes>, k_num_sides> branch_step;
   std::vector<double> prescribed_acceleration;  ///< by drive (tree bodies)
+  double sum_of_accelerations = 0.0;  ///< of all links, no number where one of them is none, by link_accelerations
   EnergyTerms energy;
   std::array<double, k_num_sides>
       lateral_guide_offset{};  ///< largest |y| of a link engaged with a wheel [m], by guide_contacts
