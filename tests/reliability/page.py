@@ -49,10 +49,10 @@ def section(part):
 
 
 def mended():
-    """What these parts found before it was mended, with its mechanism: mended.json beside this file."""
+    """What was found before it was mended, with its mechanism: mended.json beside this file."""
     with open(os.path.join(HERE, "mended.json"), encoding="utf-8") as file:
         faults = json.load(file)
-    lines = [f"\n## Found and mended\n\n{len(faults)} faults that these parts found, each with its mechanism; each has a test now.\n",
+    lines = [f"\n## Found and mended\n\n{len(faults)} faults that these parts, or reviews of what they test, found, each with its mechanism.\n",
              "| found by | what happened | mechanism |", "| --- | --- | --- |"]
     lines += [f"| {cell(fault['found_by'])} | {cell(fault['what'])} | {cell(fault['mechanism'])} |" for fault in faults]
     return "\n".join(lines) + "\n"
