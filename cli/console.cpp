@@ -54,6 +54,7 @@ class ProgressBar {
   void show(const ProgressReport& report) {
     const std::lock_guard<std::mutex> lock(mutex_);
     const double fraction = std::clamp(report.fraction, 0.0, 1.0);
+    if (begun_ < 0.0) begun_ = fraction;
     if (terminal_) {
       draw_bar(fraction, report.what);
     } else if (const int tenth = static_cast<int>(fraction * 10.0 + 1e-9); tenth > last_tenth_) {
@@ -73,9 +74,9 @@ class ProgressBar {
     std::string text = fmt::format("{:3.0f} %", 100.0 * fraction);
     const double elapsed = seconds_between(start_, Clock::now());
     // Under a second the rate says more about start-up than about the work.
-    if (fraction > 0.0 && fraction < 1.0 && elapsed > 1.0) {
-      text += fmt::format("  {:.2g} %/s, {} left", 100.0 * fraction / elapsed,
-                          duration_text(elapsed * (1.0 - fraction) / fraction));
+    if (const double done = fraction - begun_; done > 0.0 && fraction < 1.0 && elapsed > 1.0) {
+      text += fmt::format("  {:.2g} %/s, {} left", 100.0 * done / elapsed,
+                          duration_text(elapsed * (1.0 - fraction) / done));
     }
     if (!what.empty()) text += "  " + what;
     return text;
@@ -99,6 +100,7 @@ class ProgressBar {
   std::mutex mutex_;
   Clock::time_point start_ = Clock::now();
   Clock::time_point last_draw_ = start_ - std::chrono::hours(1);
+  double begun_ = -1.0;  // fraction that was done before, by a process that was stopped; < 0: nothing reported yet
   int last_tenth_ = 0;
 };
 

@@ -4,6 +4,7 @@
 #include "cli/interrupt.h"
 #include "cli/processes.h"
 #include "cli/stages.h"
+#include "cli/usage.h"
 #include "reports/report.h"
 #include "simulator/simulate.h"
 
@@ -120,7 +121,7 @@ Command add_demo(CLI::App& root) {
          "--study", options->study,
          "Instead of the pipeline: run A with every stiffness of the bushings, or with single and double pins, "
          "compared in DIR/NAME/report.html")
-      ->check(CLI::IsMember(study_names()))
+      ->check(one_of(study_names()))
       ->type_name("NAME");
   return {app, [options](Console& console) {
             return options->study.empty() ? run(*options, console)

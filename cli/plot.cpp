@@ -61,9 +61,8 @@ Command add_plot(CLI::App& root) {
   const auto options = std::make_shared<Options>();
   CLI::Option* list = app->add_flag("--list", options->list, "Print the figures and what they show");
   CLI::Option* folder = app->add_option("RUN_DIR", options->run_folder, "Folder that `grouser simulate` wrote");
-  CLI::Option* figure = app->add_option("--figure", options->figure, "Figure to draw")
-                            ->type_name("NAME")
-                            ->check(CLI::IsMember(figure_names()));
+  CLI::Option* figure =
+      app->add_option("--figure", options->figure, "Figure to draw")->type_name("NAME")->check(one_of(figure_names()));
   app->add_option("-o,--output", options->file, "Picture, pixels or vectors by its ending [RUN_DIR/NAME.png]")
       ->type_name("FILE.png|.svg")
       ->check(ending_in(".png") | ending_in(".svg"));

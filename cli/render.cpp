@@ -153,14 +153,14 @@ Command add_render(CLI::App& root) {
   app->add_option("--camera", options->render.camera,
                   fmt::format("Where to look from: {}, or a file grouser.camera/1", fmt::join(camera_names(), ", ")))
       ->type_name("NAME|FILE.json")
-      ->check(CLI::IsMember(camera_names()) | ending_in(".json"))
+      ->check(one_of(camera_names()) | ending_in(".json"))
       ->capture_default_str();
   app->add_option("--overlay", options->render.overlays,
                   fmt::format("Physics to draw over the picture, by commas: {}", fmt::join(overlay_names(), ", ")))
       ->type_name("NAME,...")
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->check(CLI::IsMember(overlay_names()));
+      ->check(one_of(overlay_names()));
   return {app, [options, film](Console& console) { return run(*options, film->count() > 0, console); }};
 }
 

@@ -1,5 +1,8 @@
 #include "cli/usage.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 
 #include "model/findings.h"
@@ -25,6 +28,15 @@ const CLI::App& innermost(const CLI::App& root) {
   return chosen.empty() ? root : *chosen.front();
 }
 
+/// "DIR is required: ..." with what DIR is.
+std::string missing_argument(const CLI::App& app, const CLI::ParseError& error) {
+  const std::string text = error.what();
+  for (const CLI::Option* option : app.get_options()) {
+    if (text == option->get_name() + " is required") return text + ": " + option->get_description();
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string explain(const CLI::App& root, const CLI::ParseError& error, const std::vector<std::string>& arguments) {
@@ -42,7 +54,15 @@ std::string explain(const CLI::App& root, const CLI::ParseError& error, const st
     const std::string name = extra.front().substr(0, extra.front().find('='));
     return with_hint("unknown option " + name, name, option_names(app));
   }
-  return chosen ? error.what() : "expected a subcommand";
+  return chosen ? missing_argument(app, error) : "expected a subcommand";
+}
+
+CLI::Validator one_of(std::vector<std::string> names) {
+  return {[names = std::move(names)](std::string& name) {
+            if (std::ranges::find(names, name) != names.end()) return std::string();
+            return with_hint(fmt::format("expected one of {}, found {}", fmt::join(names, ", "), name), name, names);
+          },
+          ""};
 }
 
 CLI::Validator ending_in(const std::string& extension) {

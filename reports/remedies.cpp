@@ -41,9 +41,9 @@ constexpr std::array<Entry, 24> k_entries{{
     {"preload", "The loop runs about a mean that no preset states",
      "State it as the test’s preset_… if it was meant; the law of the mean position is what is identified.", ""},
     {"conditioning_cycles", "The rubber softens over its first cycles",
-     "Expected of filled rubber (Mullins); the cycles named are not used. Run more cycles, or ask for the correction "
-     "to "
-     "use all of them.",
+     "Expected of filled rubber (Mullins), and within the first cycle of any friction that starts from rest; the "
+     "cycles "
+     "named are not used. Run more cycles, or ask for the correction to use all of them.",
      "remove_conditioning"},
     {"unsettled_cycles", "The loops had not settled when the test ended", "Run more cycles, or ask for the correction.",
      "remove_conditioning"},

@@ -111,7 +111,7 @@ json rig_headline(const ReplayRecord& replay) {
 json rig_facts(const RigFolder& folder, const std::string& id, int level) {
   const ReplayRecord& replay = folder.replay;
   json facts{{"id", id}, {"kind", "rig"}, {"level", level}, {"sublevel", level + 1}, {"figure_level", level + 2}};
-  facts["title"] = replay.bushing;
+  facts["title"] = "Virtual rig: " + replay.bushing;
   facts["subtitle"] = fmt::format("The simulator’s bushing element on the tests of {}", replay.specimen);
   facts["checks"] = check_facts(replay);
   facts["has_checks"] = !facts["checks"].empty();

@@ -77,6 +77,7 @@ Opened open_folders(const std::vector<std::filesystem::path>& folders) {
   if (!findings.empty()) throw InputError(findings);
   name_apart(opened.runs, [](RunFolder& run) -> std::string& { return run.summary.name; });
   name_apart(opened.fits, [](FitFolder& folder) -> std::string& { return folder.fit.specimen; });
+  name_apart(opened.rigs, [](RigFolder& folder) -> std::string& { return folder.replay.bushing; });
   return opened;
 }
 

@@ -42,6 +42,16 @@ TEST(Usage, MissingArgumentIsNamed) {
   EXPECT_THAT(output.err, HasSubstr("grouser identify --help"));
 }
 
+TEST(Usage, AMissingArgumentIsExplained) {
+  EXPECT_THAT(grouser({"report"}).err, HasSubstr("DIR is required: Fit folders and run folders"));
+  EXPECT_THAT(grouser({"rig", "rig.json"}).err, HasSubstr("--bushing is required: "));
+}
+
+TEST(Usage, AnUnknownNameGetsTheNearestOne) {
+  EXPECT_THAT(grouser({"plot", "run", "--figure", "tensoin"}).err, HasSubstr("found tensoin (did you mean tension?)"));
+  EXPECT_THAT(grouser({"render", "run", "--camera", "sid"}).err, HasSubstr("found sid (did you mean side?)"));
+}
+
 struct BadLine {
   std::vector<std::string> arguments;
   std::string told;  ///< part of what the user is told
