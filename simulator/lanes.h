@@ -294,7 +294,8 @@ class Field {
  public:
   using Values = AlignedNumbers;
   Field() = default;
-  Field(int components, int length) : length_(length), data_(static_cast<std::size_t>(components) * length, 0.0) {}
+  Field(int components, int length)
+      : components_(components), length_(length), data_(static_cast<std::size_t>(components) * length, 0.0) {}
   [[nodiscard]] double* operator[](int component) {
     return data_.data() + static_cast<std::size_t>(component) * length_;
   }
@@ -302,13 +303,13 @@ class Field {
     return data_.data() + static_cast<std::size_t>(component) * length_;
   }
   [[nodiscard]] int length() const { return length_; }
-  [[nodiscard]] int components() const { return length_ == 0 ? 0 : static_cast<int>(data_.size()) / length_; }
+  [[nodiscard]] int components() const { return components_; }
   [[nodiscard]] Values& data() { return data_; }
   [[nodiscard]] const Values& data() const { return data_; }
   void fill(double value) { std::fill(data_.begin(), data_.end(), value); }
 
  private:
-  int length_ = 0;
+  int components_ = 0, length_ = 0;
   Values data_;
 };
 
