@@ -3,9 +3,10 @@
 //   GROUSER_FAULT_UNDER  the folder, absolute
 //   GROUSER_FAULT_CALLS  which calls count: w rite, s ync, n ame (rename, remove, make a folder), c reate, r ead
 //   GROUSER_FAULT_AT     N, from 1; no fault without it
-//   GROUSER_FAULT_DO     kill | half (do half of a write, or all of another call, then kill) | stop (SIGSTOP before it)
-//   |
-//                        number of an error, once | the same with + behind it: from there on
+//   GROUSER_FAULT_DO     kill | half (do half of a write, or all of another call, then kill) | stop (SIGSTOP before) |
+//                        number of an error, once | the same with + behind it: from there on.
+//                        Half of a write into the midst of a file ends where a page does, between which the system
+//                        looks for a kill.
 //   GROUSER_FAULT_LOG    a line is appended to this file for every call that counts
 //   GROUSER_FAULT_CLOCK  the time of day runs backwards, an hour a look
 //   GROUSER_FAULT_GL     OSMesa gives no context, which no input of a user brings about
@@ -125,13 +126,19 @@ ssize_t write(int to, const void* bytes, size_t size) {
   REAL(write);
   JUDGED(judge_open_file('w', to), real(to, bytes, size), real(to, bytes, size / 2));
 }
+static size_t whole_pages_of_half(size_t size, off_t where) {
+  const off_t page = 4096, end = (where + (off_t)(size / 2)) / page * page;
+  return end > where ? (size_t)(end - where) : 0;
+}
 ssize_t pwrite(int to, const void* bytes, size_t size, off_t where) {
   REAL(pwrite);
-  JUDGED(judge_open_file('w', to), real(to, bytes, size, where), real(to, bytes, size / 2, where));
+  JUDGED(judge_open_file('w', to), real(to, bytes, size, where),
+         real(to, bytes, whole_pages_of_half(size, where), where));
 }
 ssize_t pwrite64(int to, const void* bytes, size_t size, off64_t where) {
   REAL(pwrite64);
-  JUDGED(judge_open_file('w', to), real(to, bytes, size, where), real(to, bytes, size / 2, where));
+  JUDGED(judge_open_file('w', to), real(to, bytes, size, where),
+         real(to, bytes, whole_pages_of_half(size, where), where));
 }
 ssize_t writev(int to, const struct iovec* parts, int number) {
   REAL(writev);
