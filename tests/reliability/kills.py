@@ -49,8 +49,11 @@ def kill_at_random(stage, number):
         shutil.rmtree(folder)
         delays[0] /= 2
     while stage.resumed and chance.random() < 0.5:
-        delays.append(chance.uniform(0.0, stage.duration))
-        kills += killed_at([*stage.arguments, "--resume"], folder, delays[-1])
+        delays.append(chance.uniform(0.0, stage.duration / 2))  # from a checkpoint there is less to do
+        struck = killed_at([*stage.arguments, "--resume"], folder, delays[-1])
+        kills += struck
+        if not struck:
+            break  # it ended, and nothing of it is left to resume
     return kills, late + len(delays), after(stage, folder, "killed after " + " and ".join(f"{delay:.3f} s" for delay in delays))
 
 
