@@ -103,7 +103,8 @@ struct AxisForce {
   Lanes force, stiffness, damping;  ///< restoring force, its dynamic tangents
 };
 
-void add_stops(const CompiledAxis& axis, const Lanes& dx, MemoryRows& rows, AxisForce& sum, ElementEnergy& energy) {
+/// dx by value, in a register: for all that the compiler knows, storing a row may change what a reference names.
+void add_stops(const CompiledAxis& axis, Lanes dx, MemoryRows& rows, AxisForce& sum, ElementEnergy& energy) {
   Lanes twice_stored = 0.0;
   for (const FrictionStop& stop : axis.stops) {
     const Lanes old = rows.old(), moved = advance_stop(old, dx, stop.yield), f = stop.stiffness * moved;
@@ -132,8 +133,7 @@ void add_stops(const CompiledAxis& axis, const Lanes& dx, MemoryRows& rows, Axis
   sum.stiffness += axis.stop_stiffness;
 }
 
-void add_branches(const AxisBranches& branches, const Lanes& dx, MemoryRows& rows, AxisForce& sum,
-                  ElementEnergy& energy) {
+void add_branches(const AxisBranches& branches, Lanes dx, MemoryRows& rows, AxisForce& sum, ElementEnergy& energy) {
   Lanes carried = branches.work_per_way * dx, stored = 0.0, stored_before = 0.0;
   for (const MaxwellStep& branch : branches.branch) {
     const Lanes old = rows.old(), moved = branch.decay * old + branch.gain * dx;
