@@ -306,22 +306,12 @@ class Field {
   [[nodiscard]] int components() const { return components_; }
   [[nodiscard]] Values& data() { return data_; }
   [[nodiscard]] const Values& data() const { return data_; }
-  void fill(double value);
+  void fill(double value);  // in state.cpp
 
  private:
   int components_ = 0, length_ = 0;
   Values data_;
 };
-
-/// Whose callers' zeros are kept from the compiler: it would call memset, which for a few kilobytes takes twice as
-/// long.
-[[gnu::noipa]] inline void Field::fill(double value) {
-  const Lanes values = value;
-  double* to = data_.data();
-  double* const end = to + data_.size();
-  for (; to + k_lanes <= end; to += k_lanes) store(to, values);
-  std::fill(to, end, value);
-}
 
 [[nodiscard]] inline Lanes3 load3(const Field& field, int first, int i) {
   return {load(field[first] + i), load(field[first + 1] + i), load(field[first + 2] + i)};

@@ -5,6 +5,16 @@
 
 namespace grouser {
 
+/// Here, where the compiler knows of no caller's zero: for a few kilobytes of those it would call memset, which takes
+/// twice as long.
+void Field::fill(double value) {
+  const Lanes values = value;
+  double* to = data_.data();
+  double* const end = to + data_.size();
+  for (; to + k_lanes <= end; to += k_lanes) store(to, values);
+  std::fill(to, end, value);
+}
+
 State make_state(const System& system) {
   const int n = system.link_array_length;
   State state;
