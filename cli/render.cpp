@@ -153,7 +153,7 @@ Command add_render(CLI::App& root) {
   app->add_option("--camera", options->render.camera,
                   fmt::format("Where to look from: {}, or a file grouser.camera/1", fmt::join(camera_names(), ", ")))
       ->type_name("NAME|FILE.json")
-      ->check(one_of(camera_names()) | ending_in(".json"))
+      ->check(one_of(camera_names(), ".json"))
       ->capture_default_str();
   app->add_option("--overlay", options->render.overlays,
                   fmt::format("Physics to draw over the picture, by commas: {}", fmt::join(overlay_names(), ", ")))

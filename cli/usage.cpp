@@ -57,10 +57,13 @@ std::string explain(const CLI::App& root, const CLI::ParseError& error, const st
   return chosen ? missing_argument(app, error) : "expected a subcommand";
 }
 
-CLI::Validator one_of(std::vector<std::string> names) {
-  return {[names = std::move(names)](std::string& name) {
+CLI::Validator one_of(std::vector<std::string> names, std::string extension) {
+  return {[names = std::move(names), extension = std::move(extension)](std::string& name) {
             if (std::ranges::find(names, name) != names.end()) return std::string();
-            return with_hint(fmt::format("expected one of {}, found {}", fmt::join(names, ", "), name), name, names);
+            if (!extension.empty() && name.ends_with(extension)) return std::string();
+            const std::string or_file = extension.empty() ? "" : " or a file name ending in " + extension;
+            return with_hint(fmt::format("expected one of {}{}, found {}", fmt::join(names, ", "), or_file, name), name,
+                             names);
           },
           ""};
 }

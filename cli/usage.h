@@ -9,8 +9,8 @@ namespace grouser::cli {
 [[nodiscard]] std::string explain(const CLI::App& root, const CLI::ParseError& error,
                                   const std::vector<std::string>& arguments);
 
-/// Refuses what is none of `names`, with the nearest of them.
-[[nodiscard]] CLI::Validator one_of(std::vector<std::string> names);
+/// Refuses what is none of `names`, nor a file name ending in `extension` where one is given, with the nearest of them.
+[[nodiscard]] CLI::Validator one_of(std::vector<std::string> names, std::string extension = "");
 
 /// Refuses a file name that does not end in `extension` (".png").
 [[nodiscard]] CLI::Validator ending_in(const std::string& extension);
