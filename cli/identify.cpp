@@ -122,6 +122,7 @@ IdentifyResult identify_into(const fs::path& rig_file, const fs::path& folder, i
   // Before the long work: a folder that cannot be made should not cost a fit.
   const bool made = fs::create_directories(folder);
   const FolderLock lock(folder, "identification");
+  require_only_draws(folder / "draws");
   IdentifyResult result;
   try {
     result = identify(rig, {.threads = threads}, progress);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <system_error>
 
+#include "model/errors.h"
 #include "model/replace_file.h"
 
 namespace grouser {
@@ -13,10 +14,29 @@ std::string padded(std::size_t number, std::size_t width) {
   return std::string(width - std::min(width, digits.size()), '0') + digits;
 }
 
+bool is_draw(const std::filesystem::directory_entry& entry) {
+  const std::string name = entry.path().filename().string();
+  return entry.is_regular_file() && name.starts_with("bushing_") && name.ends_with(".json");
+}
+
 }  // namespace
+
+void require_only_draws(const std::filesystem::path& folder) {
+  if (!std::filesystem::exists(folder)) return;
+  if (!std::filesystem::is_directory(folder)) {
+    throw FileError("cannot write into " + folder.string() + ": expected a folder of draws, found a file");
+  }
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (is_draw(entry)) continue;
+    throw FileError("cannot write into " + folder.string() +
+                    ": expected only draws of an earlier fit, which give way, found " +
+                    entry.path().filename().string() + " (move it to another folder)");
+  }
+}
 
 BushingDraws::BushingDraws(const std::vector<Bushing>& draws, const std::filesystem::path& folder)
     : folder_(folder), part_(folder.string() + ".part"), any_(!draws.empty()) {
+  require_only_draws(folder_);
   std::filesystem::remove_all(part_);  // what a killed fit left
   if (!any_) return;
   try {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 
 #include "model/check.h"
 #include "model/errors.h"
@@ -54,6 +55,23 @@ TEST(BushingDraws, ReplaceThoseOfAnEarlierFit) {
   EXPECT_EQ(names_in(folder / "draws").size(), 2u);
   BushingDraws({}, folder / "draws").publish();
   EXPECT_FALSE(fs::exists(folder / "draws"));
+}
+
+TEST(BushingDraws, DoNotTakeAUsersFilesAway) {
+  const TemporaryFolder folder;
+  BushingDraws(draws(2), folder / "draws").publish();
+  fs::create_directories(folder / "draws" / "run_with_bushing_01");
+  EXPECT_THAT([&] { BushingDraws(draws(2), folder / "draws"); },
+              testing::ThrowsMessage<FileError>(testing::HasSubstr("found run_with_bushing_01")));
+  EXPECT_TRUE(fs::exists(folder / "draws" / "run_with_bushing_01"));
+}
+
+TEST(BushingDraws, DoNotTakeAUsersFileOfTheirNameAway) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "draws") << "lots";
+  EXPECT_THAT([&] { BushingDraws(draws(2), folder / "draws"); },
+              testing::ThrowsMessage<FileError>(testing::HasSubstr("expected a folder of draws, found a file")));
+  EXPECT_TRUE(fs::is_regular_file(folder / "draws"));
 }
 
 TEST(BushingDraws, AreNotSeenBeforeTheyArePublished) {
