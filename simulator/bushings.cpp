@@ -27,12 +27,8 @@ void store_wrench(const ElementWrench& wrench, int joint, Workspace& work) {
   store3(work.joint_torque_own_W, joint, wrench.torque_own);
 }
 
-/// The lanes one place further: the last of `before`, then all of `now` but its last.
 Lanes3 one_behind(const Lanes3& before, const Lanes3& now) {
-  const auto shift = [](const Lanes& a, const Lanes& b) -> Lanes {
-    return __builtin_shufflevector(a.values(), b.values(), 7, 8, 9, 10, 11, 12, 13, 14);
-  };
-  return {shift(before.x, now.x), shift(before.y, now.y), shift(before.z, now.z)};
+  return {one_behind(before.x, now.x), one_behind(before.y, now.y), one_behind(before.z, now.z)};
 }
 
 /// Begins the links' sums with the wrenches of the joints around them, while those are at hand.

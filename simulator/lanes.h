@@ -128,6 +128,11 @@ inline void add_halves_to(double* to, const Lanes& value) {
   std::memcpy(to, &four, sizeof(four));
 }
 
+/// The lanes one place further: the last of `before`, then all of `now` but its last.
+[[nodiscard]] inline Lanes one_behind(const Lanes& before, const Lanes& now) {
+  return Lanes::Values(__builtin_shufflevector(before.values(), now.values(), 7, 8, 9, 10, 11, 12, 13, 14));
+}
+
 /// Yes or no for each of eight lanes.
 class LaneMask {
  public:

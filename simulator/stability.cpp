@@ -8,12 +8,6 @@
 namespace grouser {
 namespace {
 
-/// One of the two bodies of a joint: its kind, and the pin's place along its x axis from its centre [m].
-struct Jointed {
-  const LinkBodies& body;
-  double pin;
-};
-
 /// Eight joints as one of their bodies feels them: stiffness (or damping) along x, z in the plane of the body, x to z,
 /// and about y; aside and about the other axes.
 struct JointTangents {
@@ -32,35 +26,88 @@ JointTangents turned(const JointTangents& k, const Lanes& cosine, const Lanes& s
   return {k.xx * cc + k.zz * ss, k.xx * ss + k.zz * cc, (k.xx - k.zz) * cosine * sine, k.hinge, k.aside, k.swing};
 }
 
-/// Where stiffness or damping goes.
-struct Blocks {
-  Field &plane, &side;
+/// Joints in a row: `joint` in the arrays of joints, between `own` and `next` in those of links.
+struct JointRow {
+  int joint, own, next;
 };
 
-/// Adds to the blocks of eight bodies what is 2 (e = 1) times their side of each joint.
-void add_joint(const JointTangents& k, const Jointed& at, int first, const Blocks& to) {
-  const double pin = at.pin;
-  add_block(to.plane, first, {k.xx, k.zz, pin * pin * k.zz + k.hinge, k.xz, -pin * k.xz, -pin * k.zz}, 2.0);
-  const Vector3d& inertia = at.body.inertia;
-  add_side(to.side, first, {1.0 / at.body.mass, pin * pin / inertia.z()}, 2.0 * k.aside, pin > 0.0 ? 1.0 : -1.0);
-  add_to(to.side[1] + first, (2.0 / std::min(inertia.x(), inertia.z())) * k.swing);
+/// One of the two pins that every body of a kind has: the k-th body is own or next body of the k-th joint, or, where
+/// the joints stand `behind` the bodies, of the one before.
+struct Pin {
+  JointRow row;
+  bool of_own, behind;
+  double place;  ///< along the body's x axis from its centre [m]
+};
+
+/// What eight bodies from `i` on are held by: by contacts, then by joints too.
+struct Slopes {
+  PlaneBlock plane;
+  std::array<Lanes, 3> side;
+  Slopes(const Field& of_plane, const Field& of_side, int i) {
+    for (int row = 0; row < k_plane_rows; ++row) plane[static_cast<std::size_t>(row)] = load(of_plane[row] + i);
+    side = {load(of_side[0] + i), load(of_side[1] + i), load(of_side[2] + i)};
+  }
+};
+
+/// Constants by which a pin's tangents add to the blocks of its bodies, twice (e = 1) their side of each joint.
+struct PinShares {
+  double pin, across, turning, both, swing;
+  PinShares(const LinkBodies& body, const Pin& at)
+      : pin(at.place),
+        across(2.0 / body.mass),
+        turning(2.0 * pin * pin / body.inertia.z()),
+        both((pin > 0.0 ? 1.0 : -1.0) * std::sqrt(across * turning)),
+        swing(2.0 / std::min(body.inertia.x(), body.inertia.z())) {}
+  void add(const JointTangents& k, Slopes& to) const {
+    const PlaneBlock block{k.xx, k.zz, pin * pin * k.zz + k.hinge, k.xz, -pin * k.xz, -pin * k.zz};
+    for (std::size_t row = 0; row < block.size(); ++row) to.plane[row] += 2.0 * block[row];
+    to.side[0] += across * k.aside;
+    to.side[1] += turning * k.aside + swing * k.swing;
+    to.side[2] += both * k.aside;
+  }
+};
+
+/// The lanes one place further: the last of `before`, then all of `now` but its last.
+JointTangents one_behind(const JointTangents& before, const JointTangents& now) {
+  return {one_behind(before.xx, now.xx),       one_behind(before.zz, now.zz),
+          one_behind(before.xz, now.xz),       one_behind(before.hinge, now.hinge),
+          one_behind(before.aside, now.aside), one_behind(before.swing, now.swing)};
+}
+/// The first lane of all.
+JointTangents first_lane(const JointTangents& k) {
+  return {k.xx[0], k.zz[0], k.xz[0], k.hinge[0], k.aside[0], k.swing[0]};
 }
 
-/// `count` joints from `joint` on, between bodies from `own` and from `next` on.
-void add_joints(const Field& tangents, int joint, int count, const Jointed& own, int own_first, const Jointed& next,
-                int next_first, const Blocks& to, const Workspace& work) {
-  for (int k = 0; k < count; k += k_lanes) {
-    const auto axis = [&](int c, int first) {
-      const auto r = [&](int row) { return load(work.rotation[3 * row + c] + first + k); };
-      return Lanes3{r(0), r(1), r(2)};
-    };
-    const Lanes3 own_x = axis(0, own_first);
-    const JointTangents of_own = own_tangents(tangents, joint + k, LaneMask::first(count - k));
-    const JointTangents of_next = turned(of_own, dot(own_x, axis(0, next_first)), dot(own_x, axis(2, next_first)));
-    add_joint(of_own, own, own_first + k, to);
-    add_joint(of_next, next, next_first + k, to);
+/// Goes along the joints at one pin of all bodies of a kind, eight after eight.
+class JointWalk {
+ public:
+  JointWalk(const Field& tangents, const Pin& pin, const LinkBodies& body, const Workspace& work)
+      : tangents_(tangents), pin_(pin), shares_(body, pin), count_(body.count), work_(work) {
+    if (pin.behind && count_ > 0) before_ = first_lane(at(count_ - 1));  // the first body lies ahead of the last joint
   }
-}
+  /// Adds the joints of the bodies from the k-th on.
+  void add(int k, Slopes& to) {
+    const JointTangents now = at(k);
+    shares_.add(pin_.behind ? one_behind(before_, now) : now, to);
+    before_ = now;
+  }
+
+ private:
+  [[nodiscard]] JointTangents at(int k) const {
+    const JointTangents of_own = own_tangents(tangents_, pin_.row.joint + k, LaneMask::first(count_ - k));
+    if (pin_.of_own) return of_own;
+    const Lanes3 own_x = load_axis(work_, 0, pin_.row.own + k);
+    return turned(of_own, dot(own_x, load_axis(work_, 0, pin_.row.next + k)),
+                  dot(own_x, load_axis(work_, 2, pin_.row.next + k)));
+  }
+
+  const Field& tangents_;
+  const Pin& pin_;
+  PinShares shares_;
+  int count_;
+  const Workspace& work_;
+  JointTangents before_{};
+};
 
 /// The link ahead of the last joint is the first one: what was put on its copy behind the last link is its own.
 void close_seam(const CompiledTrack& track, Field& field) {
@@ -71,27 +118,29 @@ void close_seam(const CompiledTrack& track, Field& field) {
   }
 }
 
-void add_track_joints(const CompiledTrack& track, const Field& tangents, const Blocks& to, const Workspace& work) {
-  const int n = track.num_links, first = track.offset;
-  const LinkBodies& links = track.bodies.front();
-  if (track.joint == JointForm::connector_bodies) {
-    const LinkBodies& connectors = track.bodies.back();
-    const double half = 0.5 * track.connector_length;
-    const int rear = connectors.offset;
-    add_joints(tangents, first, n, {links, track.groove}, first, {connectors, -half}, rear, to, work);
-    add_joints(tangents, rear, n, {links, -track.groove}, first + 1, {connectors, half}, rear, to, work);
-  } else {
+/// The pins of what is integrated of a track: of its links, or (`connectors`) of bodies between them.
+std::array<Pin, 2> pins_of(const CompiledTrack& track, bool connectors) {
+  const int first = track.offset, rear = track.connector_offset;
+  if (track.joint != JointForm::connector_bodies) {
+    const JointRow row{first, first, first + 1};
     const double half = 0.5 * track.pitch;
-    add_joints(tangents, first, n, {links, half}, first, {links, -half}, first + 1, to, work);
+    return {Pin{row, true, false, half}, Pin{row, false, true, -half}};
   }
+  const JointRow front_row{first, first, rear}, rear_row{rear, first + 1, rear};
+  const double half = 0.5 * track.connector_length;
+  if (connectors) return {Pin{front_row, false, false, -half}, Pin{rear_row, false, false, half}};
+  return {Pin{front_row, true, false, track.groove}, Pin{rear_row, true, true, -track.groove}};
 }
 
-/// A block over the roots of mass and inertia.
-PlaneBlock over_inertia(const Field& blocks, int first, const LinkBodies& body) {
-  const double m = 1.0 / body.mass, j = 1.0 / body.inertia.y(), mj = std::sqrt(m * j);
-  const auto at = [&](int row) { return load(blocks[row] + first); };
-  return {m * at(k_xx), m * at(k_zz), j * at(k_pitch), m * at(k_xz), mj * at(k_x_pitch), mj * at(k_z_pitch)};
-}
+/// What a body's blocks are taken over: the roots of mass and inertia.
+struct InverseInertia {
+  double m, j, both;
+  explicit InverseInertia(const LinkBodies& body)
+      : m(1.0 / body.mass), j(1.0 / body.inertia.y()), both(std::sqrt(m * j)) {}
+  [[nodiscard]] PlaneBlock times(const PlaneBlock& b) const {
+    return {m * b[k_xx], m * b[k_zz], j * b[k_pitch], m * b[k_xz], both * b[k_x_pitch], both * b[k_z_pitch]};
+  }
+};
 
 /// 2 / h from a h^2 s2 + 4 h s1 = 4.
 Lanes rate_of(const Lanes& a_s2, const Lanes& s1) { return s1 + (s1 * s1 + a_s2).sqrt(); }
@@ -99,8 +148,8 @@ Lanes rate_of(const Lanes& a_s2, const Lanes& s1) { return s1 + (s1 * s1 + a_s2)
 Lanes trace(const PlaneBlock& block) { return block[k_xx] + block[k_zz] + block[k_pitch]; }
 
 /// The larger eigenvalue of a side block.
-Lanes largest_of_side(const Field& side, int i) {
-  const Lanes across = load(side[0] + i), turning = load(side[1] + i), both = load(side[2] + i);
+Lanes largest_of_side(const std::array<Lanes, 3>& side) {
+  const auto& [across, turning, both] = side;
   const Lanes half = 0.5 * (across - turning);
   return 0.5 * (across + turning) + (half * half + both * both).sqrt();
 }
@@ -111,13 +160,13 @@ struct LinkSums {
   Lanes s2, s1;          ///< of all motions
   Lanes side_2, side_1;  ///< of motions out of the plane
 
-  LinkSums(const LinkBodies& body, int i, const Workspace& work)
-      : stiffness(over_inertia(work.plane_stiffness, i, body)),
-        damping(over_inertia(work.plane_damping, i, body)),
-        s2(load(work.stability[0] + i)),
-        s1(load(work.stability[1] + i)),
-        side_2(largest_of_side(work.side_stiffness, i)),
-        side_1(largest_of_side(work.side_damping, i)) {}
+  LinkSums(const InverseInertia& inertia, const Slopes& k, const Slopes& c, const Lanes& any_2, const Lanes& any_1)
+      : stiffness(inertia.times(k.plane)),
+        damping(inertia.times(c.plane)),
+        s2(any_2),
+        s1(any_1),
+        side_2(largest_of_side(k.side)),
+        side_1(largest_of_side(c.side)) {}
 
   [[nodiscard]] Lanes out_of_plane(double a) const { return rate_of(a * (s2 + side_2), s1 + side_1); }
   /// A(h) in the plane.
@@ -162,13 +211,24 @@ struct LinkSums {
   }
 };
 
-/// The shortest stable step, 2 / rate, belongs to the largest rate.
-void find_bound(const LinkBodies& bodies, double beta, Workspace& work) {
+/// The shortest stable step, 2 / rate, belongs to the largest rate. `damped`: joints are.
+void find_bound(const LinkBodies& bodies, const std::array<Pin, 2>& pins, bool damped, double beta, Workspace& work) {
   const double a = 4.0 * beta - 3.0;
+  const InverseInertia inertia(bodies);
+  const auto walks = [&](const Field& tangents) {
+    return std::array{JointWalk(tangents, pins[0], bodies, work), JointWalk(tangents, pins[1], bodies, work)};
+  };
+  std::array<JointWalk, 2> springs = walks(work.joint_stiffness), dampers = walks(work.joint_damping);
   double largest = 2.0 / work.largest_stable_step;
   for (int k = 0; k < bodies.count; k += k_lanes) {
     const int i = bodies.offset + k;
-    const LinkSums sums(bodies, i, work);
+    Slopes stiffness(work.plane_stiffness, work.side_stiffness, i);
+    for (JointWalk& joints : springs) joints.add(k, stiffness);
+    Slopes damping(work.plane_damping, work.side_damping, i);
+    if (damped) {
+      for (JointWalk& joints : dampers) joints.add(k, damping);
+    }
+    const LinkSums sums(inertia, stiffness, damping, load(work.stability[0] + i), load(work.stability[1] + i));
     const LaneMask valid = LaneMask::first(bodies.count - k);
     if (std::isfinite(work.largest_stable_step) && bits_of(valid & !sums.stable_at(a, work.largest_stable_step)) == 0) {
       continue;
@@ -240,15 +300,15 @@ ContactShare contact_share(const Tree& tree, int body, double radius, double lin
 void bound_step(const System& system, bool relaxed, double longest, Workspace& work) {
   work.largest_stable_step = longest;
   for (const CompiledTrack& track : system.tracks) {
-    add_track_joints(track, work.joint_stiffness, {work.plane_stiffness, work.side_stiffness}, work);
-    if (relaxed || has_dampers(track)) {
-      add_track_joints(track, work.joint_damping, {work.plane_damping, work.side_damping}, work);
-    }
     for (Field* field :
          {&work.plane_stiffness, &work.plane_damping, &work.side_stiffness, &work.side_damping, &work.stability}) {
       close_seam(track, *field);
     }
-    for (const LinkBodies& bodies : track.bodies) find_bound(bodies, system.scenario.integrator.beta, work);
+    for (const LinkBodies& bodies : track.bodies) {
+      const bool connectors = &bodies != &track.bodies.front();
+      find_bound(bodies, pins_of(track, connectors), relaxed || has_dampers(track), system.scenario.integrator.beta,
+                 work);
+    }
     for (const CompiledDiscs& discs : track.discs) bound_wheel(system, discs.body, discs.radius, discs.share, work);
     bound_wheel(system, track.sprocket.body, track.sprocket.pitch_radius, track.sprocket.share, work);
   }
