@@ -59,6 +59,73 @@ void accelerate(const LinkBodies& bodies, const Vector3d& g, double mass_damping
   work.energy.assembly_power += 2.0 * mass_damping * kinetic.sum();
 }
 
+/// Accelerations of eight links at both ends of a step and at the beginning of the one before.
+struct BlockAccelerations {
+  Lanes3 before, now, next;
+  BlockAccelerations(const StepEnds& ends, Field Acceleration::*field, int i)
+      : before(load3(ends.f_before.*field, i)), now(load3(ends.f_now.*field, i)), next(load3(ends.f_next.*field, i)) {}
+};
+
+/// Squares of the links' embedded errors over their tolerances. Rotation counts as the speed of a point `arm` away.
+struct LinkErrors {
+  double bend2, change2, ratio, arm2;
+  LinkErrors(const IntegratorOptions& options, const ErrorWeights& weights, double arm)
+      : bend2(square(weights.velocity / options.velocity_tolerance)),
+        change2(square(weights.position / options.displacement_tolerance)),
+        ratio(weights.ratio),
+        arm2(arm * arm) {}
+  [[nodiscard]] Lanes squared(const BlockAccelerations& linear, const BlockAccelerations& angular) const {
+    return of(linear).max(arm2 * of(angular));
+  }
+
+ private:
+  static double square(double x) { return x * x; }
+  [[nodiscard]] Lanes of(const BlockAccelerations& f) const {
+    const Lanes3 change = f.next - f.now, old = f.now - f.before, bend = change - ratio * old;
+    const Lanes last = dot(change, change), former = ratio * ratio * dot(old, old);
+    return (bend2 * dot(bend, bend)).max(change2 * last.max(former));
+  }
+};
+
+/// The largest of squared errors, by lanes until the end; the first one that is no number stays.
+class LargestError {
+ public:
+  void see(const Lanes& error2, int i, const LaneMask& valid) {
+    const LaneMask larger = (!(error2 <= error2_)) & (error2_ <= error2_) & valid;
+    error2_ = choose(larger, error2, error2_);
+    first_ = choose(larger, static_cast<double>(i), first_);
+  }
+  [[nodiscard]] LocalError found() const {
+    LocalError worst;
+    for (int lane = 0; lane < k_lanes; ++lane) {
+      const double error2 = error2_[lane];
+      const int link = static_cast<int>(first_[lane]) + lane;
+      if (std::isnan(error2)) return {error2, link};
+      if (error2 > worst.ratio || (error2 == worst.ratio && link < worst.link)) worst = {error2, link};
+    }
+    return {std::sqrt(worst.ratio), worst.link};
+  }
+
+ private:
+  Lanes error2_ = 0.0, first_ = 0.0;  ///< and the first link of the block that it stands in
+};
+
+/// What contacts took from eight links over their ways, less the trapezoid of the powers at both ends.
+Lanes contact_loss(const StepWeights& step, const StepEnds& ends, const BlockAccelerations& linear,
+                   const BlockAccelerations& angular, int i) {
+  const Workspace &now = ends.work_now, &next = ends.work_next;
+  // Of the way less h v_n, and of the way less h v_{n+1}.
+  const Lanes3 way = step.position_now * linear.now + step.position_before * linear.before;
+  const Lanes3 way_back = (step.position_now - step.h * step.velocity_now) * linear.now +
+                          (step.position_before - step.h * step.velocity_before) * linear.before;
+  const Lanes3 turn_L = step.position_now * angular.now + step.position_before * angular.before;
+  const Lanes3 turn =
+      turn_L.x * load_axis(now, 0, i) + turn_L.y * load_axis(now, 1, i) + turn_L.z * load_axis(now, 2, i);
+  const Lanes3 turn_back = turn - step.h * (load3(next.angular_velocity_W, i) - load3(now.angular_velocity_W, i));
+  return -0.5 * (dot(load3(now.loss_force_W, i), way) + dot(load3(now.loss_torque_W, i), turn) +
+                 dot(load3(next.loss_force_W, i), way_back) + dot(load3(next.loss_torque_W, i), turn_back));
+}
+
 }  // namespace
 
 void link_accelerations(const System& system, const AssemblyKnobs& knobs, const State& state, Workspace& work,
@@ -89,66 +156,23 @@ double advance_links(const System& system, const StepWeights& weights, const Sta
   return std::sqrt(largest.max_lane());
 }
 
-double contact_step_loss(const System& system, const StepWeights& weights, const State& now, const Workspace& work_now,
-                         const Acceleration& f_now, const Acceleration& f_before, const State& next,
-                         const Workspace& work_next) {
+LinkVerdict judge_links(const System& system, const ErrorWeights& errors, const StepWeights& step,
+                        const StepEnds& ends) {
+  LargestError largest;
   Lanes loss = 0.0;
   for (const CompiledTrack& track : system.tracks) {
+    const LinkErrors link_errors(system.scenario.integrator, errors, 0.5 * track.pitch);
     for (const LinkBodies& bodies : track.bodies) {
       for (int first = 0; first < bodies.count; first += k_lanes) {
         const int i = bodies.offset + first;
-        const auto beyond = [&](const Field& f, const Field& f0) {  // the way less h v_n
-          return weights.position_now * load3(f, i) + weights.position_before * load3(f0, i);
-        };
-        const Lanes3 way = beyond(f_now.linear, f_before.linear);
-        const Lanes3 turn_L = beyond(f_now.angular, f_before.angular);
-        const Lanes3 turn = turn_L.x * load_axis(work_now, 0, i) + turn_L.y * load_axis(work_now, 1, i) +
-                            turn_L.z * load_axis(work_now, 2, i);
-        // The same less h v_{n+1}.
-        const Lanes3 way_back = way - weights.h * (load3(next.velocity, i) - load3(now.velocity, i));
-        const Lanes3 turn_back =
-            turn - weights.h * (load3(work_next.angular_velocity_W, i) - load3(work_now.angular_velocity_W, i));
-        const Lanes both = dot(load3(work_now.loss_force_W, i), way) + dot(load3(work_now.loss_torque_W, i), turn) +
-                           dot(load3(work_next.loss_force_W, i), way_back) +
-                           dot(load3(work_next.loss_torque_W, i), turn_back);
-        loss -= choose(LaneMask::first(bodies.count - first), 0.5 * both, 0.0);
+        const LaneMask valid = LaneMask::first(bodies.count - first);
+        const BlockAccelerations linear(ends, &Acceleration::linear, i), angular(ends, &Acceleration::angular, i);
+        largest.see(link_errors.squared(linear, angular), i, valid);
+        loss += choose(valid, contact_loss(step, ends, linear, angular, i), 0.0);
       }
     }
   }
-  return loss.sum();
-}
-
-LocalError link_error(const System& system, const ErrorWeights& weights, const Acceleration& next,
-                      const Acceleration& now, const Acceleration& before) {
-  const IntegratorOptions& options = system.scenario.integrator;
-  const double ev = weights.velocity / options.velocity_tolerance,
-               ed = weights.position / options.displacement_tolerance;
-  const double r = weights.ratio;
-  LocalError worst;
-  for (const CompiledTrack& track : system.tracks) {
-    const double arm = 0.5 * track.pitch;
-    for (const LinkBodies& bodies : track.bodies) {
-      for (int first = 0; first < bodies.count; first += k_lanes) {
-        const int i = bodies.offset + first;
-        const auto measure = [&](const Field& fn, const Field& f, const Field& fb) {
-          const Lanes3 f1 = load3(f, i), change = load3(fn, i) - f1, old = f1 - load3(fb, i), bend = change - r * old;
-          const Lanes last = dot(change, change), former = r * r * dot(old, old);
-          return (ev * ev * dot(bend, bend)).max(ed * ed * last.max(former));
-        };
-        const Lanes linear = measure(next.linear, now.linear, before.linear);
-        const Lanes angular = arm * arm * measure(next.angular, now.angular, before.angular);
-        const Lanes error2 = linear.max(angular);
-        const LaneMask not_smaller = !(error2 <= worst.ratio);  // also what is no number
-        if (bits_of(not_smaller & LaneMask::first(bodies.count - first)) == 0) continue;
-        for (int lane = 0; lane < std::min(k_lanes, bodies.count - first); ++lane) {
-          if (std::isnan(error2[lane])) return {error2[lane], i + lane};
-          if (error2[lane] > worst.ratio) worst = {error2[lane], i + lane};
-        }
-      }
-    }
-  }
-  worst.ratio = std::sqrt(worst.ratio);
-  return worst;
+  return {largest.found(), loss.sum()};
 }
 
 }  // namespace grouser

@@ -14,20 +14,27 @@ void link_accelerations(const System& system, const AssemblyKnobs& knobs, const 
 double advance_links(const System& system, const StepWeights& weights, const State& now, const Acceleration& f_now,
                      const Acceleration& f_before, State& next);
 
-/// What contacts took from the links over the paths that they went, less the trapezoid of the powers at both ends [J].
-/// Chung-Lee's velocity errs by 5/12 h^2 times the rate of the acceleration, so that powers of dampers, which go with
-/// its square, are too large wherever links vibrate; the mean force times the way is the very work that the step does.
-[[nodiscard]] double contact_step_loss(const System& system, const StepWeights& weights, const State& now,
-                                       const Workspace& work_now, const Acceleration& f_now,
-                                       const Acceleration& f_before, const State& next, const Workspace& work_next);
-
-/// Largest embedded error of any link over its tolerance, and whose it is; a link that is not a number comes first.
-/// Rotation counts as the speed of a point half a pitch away.
+/// A step's ends: what was found there, and the accelerations at the beginning of the step before.
+struct StepEnds {
+  const Workspace &work_now, &work_next;
+  const Acceleration &f_before, &f_now, &f_next;
+};
 struct LocalError {
   double ratio = 0.0;  ///< error / tolerance, maximum norm
   int link = -1;       ///< link array index
 };
-[[nodiscard]] LocalError link_error(const System& system, const ErrorWeights& weights, const Acceleration& next,
-                                    const Acceleration& now, const Acceleration& before);
+struct LinkVerdict {
+  /// Largest embedded error of any link over its tolerance, and whose it is; a link that is not a number comes first.
+  /// Rotation counts as the speed of a point half a pitch away.
+  LocalError error;
+  /// What contacts took from the links over the paths that they went, less the trapezoid of the powers at both ends
+  /// [J]. Chung-Lee's velocity errs by 5/12 h^2 times the rate of the acceleration, so that powers of dampers, which go
+  /// with its square, are too large wherever links vibrate; the mean force times the way is the very work that the step
+  /// does.
+  double contact_step_loss = 0.0;
+};
+/// Both in one pass, for both are made of the same accelerations.
+[[nodiscard]] LinkVerdict judge_links(const System& system, const ErrorWeights& errors, const StepWeights& step,
+                                      const StepEnds& ends);
 
 }  // namespace grouser

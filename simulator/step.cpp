@@ -208,7 +208,7 @@ StepStatus Stepper::step(double until) {
     evaluate(system_, knobs, now.history, h, next, next_work, accelerations_[f_next_]);
     ++evaluations_;
 
-    const double ratio = options.fixed_step > 0.0 ? 0.0 : error_ratio(h);
+    const double ratio = judge(h);
     if (ratio > 1.0 && h <= options.min_step) return StepStatus::underflow;
     if (!(ratio <= 1.0) && h > options.min_step) {  // also what is no number: a smaller step may find one
       const double shrink = ratio > 1.0 ? std::clamp(0.9 * std::cbrt(1.0 / ratio), 0.2, 0.9) : 0.2;
@@ -223,9 +223,6 @@ StepStatus Stepper::step(double until) {
       worst_ = {-1, next_work.bottomed_unit};
       return StepStatus::bottomed;
     }
-    next_work.energy.contact_step_loss =
-        contact_step_loss(system_, step_weights(options.beta, h, previous_h_), now, works_[now_],
-                          accelerations_[f_now_], accelerations_[f_before_], next, next_work);
     last_limit_ = h < h_ ? StepLimit::end : limit_;
     last_limiting_ = limiting_;
     last_error_ = ratio;
@@ -250,14 +247,19 @@ void Stepper::take_bound(const Workspace& work) {
   since_bound_ = 0;
 }
 
-double Stepper::error_ratio(double h) {
-  const ErrorWeights weights = error_weights(system_.scenario.integrator.beta, h, previous_h_);
+double Stepper::judge(double h) {
+  const IntegratorOptions& options = system_.scenario.integrator;
+  const ErrorWeights weights = error_weights(options.beta, h, previous_h_);
   const Acceleration &next = accelerations_[f_next_], &now = accelerations_[f_now_],
                      &before = accelerations_[f_before_];
-  const LocalError link = link_error(system_, weights, next, now, before);
+  Workspace& next_work = works_[1 - now_];
+  const LinkVerdict links = judge_links(system_, weights, step_weights(options.beta, h, previous_h_),
+                                        {works_[now_], next_work, before, now, next});
+  next_work.energy.contact_step_loss = links.contact_step_loss;
+  if (options.fixed_step > 0.0) return 0.0;
   const TreeError tree = tree_error(system_, reach_, weights, next.chassis, now.chassis, before.chassis);
-  worst_ = tree.ratio > link.ratio ? Part{-1, tree.body} : Part{link.link, -1};
-  return tree.ratio > link.ratio ? tree.ratio : link.ratio;  // a link that is not a number stays one
+  worst_ = tree.ratio > links.error.ratio ? Part{-1, tree.body} : Part{links.error.link, -1};
+  return tree.ratio > links.error.ratio ? tree.ratio : links.error.ratio;  // a link that is not a number stays one
 }
 
 void Stepper::choose_next_step(double error_ratio) {

@@ -82,7 +82,7 @@ class Stepper {
            part.body < static_cast<int>(system_.tree.bodies.size());
   }
   /// Largest local error of the trial over its tolerance; fills worst_.
-  [[nodiscard]] double error_ratio(double h);
+  [[nodiscard]] double judge(double h);
   void choose_next_step(double error_ratio);
   /// Keeps the bound that an accepted evaluation found, if it looked for one.
   void take_bound(const Workspace& work);

@@ -50,8 +50,10 @@ constexpr Stage k_stages[] = {
     {"link accelerations", [](Scene& s) { link_accelerations(s.system, s.knobs, s.state, s.work, s.acceleration); }},
     {"error estimate",
      [](Scene& s) {
-       const ErrorWeights weights = error_weights(s.system.scenario.integrator.beta, k_step, k_step);
-       benchmark::DoNotOptimize(link_error(s.system, weights, s.acceleration, s.acceleration_before, s.acceleration));
+       const double beta = s.system.scenario.integrator.beta;
+       benchmark::DoNotOptimize(judge_links(s.system, error_weights(beta, k_step, k_step),
+                                            step_weights(beta, k_step, k_step),
+                                            {s.work, s.work, s.acceleration_before, s.acceleration, s.acceleration}));
      }},
     {"update", [](Scene& s) {
        benchmark::DoNotOptimize(
