@@ -48,12 +48,12 @@ struct Meeting {
   const Mobility& mobility;
   int first;      ///< link array index of lane 0
   LaneMask near;  ///< lanes that count
-  LinkFrames frames;
-  Lanes3 center;    ///< the pair's centre from the link's [m]
-  Lanes3 axle;      ///< unit vector
-  Lanes3 spin;      ///< angular velocity of the pair against the link [rad/s]
-  Lanes3 velocity;  ///< of the pair's centre against the point of the link that stands there [m/s]
-  Lanes3 way;       ///< unit vector along which the pair's centre can go on its arm; 0 on the hull
+  const LinkFrames& frames;
+  Lanes3 center;        ///< the pair's centre from the link's [m]
+  Lanes3 axle;          ///< unit vector
+  Lanes3 spin;          ///< angular velocity of the pair against the link [rad/s]
+  Lanes3 velocity;      ///< of the pair's centre against the point of the link that stands there [m/s]
+  const Lanes3& way_W;  ///< unit vector along which the pair's centre can go on its arm; 0 on the hull
 };
 
 /// Loads on four links, twice, in their frames: elastic ones, and those that energy is lost by.
@@ -80,10 +80,10 @@ Patch foundation(const Lanes& depth, double radius, const Lanes& from, const Lan
   const LaneMask over_plate = begin < end;
   const Lanes a = choose(over_plate, begin, none), b = choose(over_plate, end, none), width = b - a;
   const Lanes a2 = a * a, b2 = b * b, a3 = a2 * a, b3 = b2 * b, cubes = b3 - a3;
-  const Lanes area = (depth * width - (curvature / 6.0) * cubes).max(0.0);
+  const Lanes area = (depth * width - (1.0 / 6.0) * curvature * cubes).max(0.0);
   const Lanes slope = (0.5 * curvature) * depth * (b2 - a2) - (0.125 * curvature * curvature) * (b2 * b2 - a2 * a2);
-  const Lanes energy =
-      0.5 * depth * (depth * width - (curvature / 3.0) * cubes) + (0.025 * curvature * curvature) * (b3 * b2 - a3 * a2);
+  const Lanes energy = 0.5 * depth * (depth * width - (1.0 / 3.0) * curvature * cubes) +
+                       (0.025 * curvature * curvature) * (b3 * b2 - a3 * a2);
   return {-slope, area, energy, (radius * slope / area.max(k_least_area)).max(a).min(b), width};
 }
 
@@ -121,12 +121,18 @@ void add_slopes(const Meeting& m, const DiscSlopes& s, Workspace& work) {
   add_halves_to(work.side_damping[2] + m.first, share * (moving * turning).sqrt() * s.friction);
 
   RimSums& rim = work.rim[static_cast<std::size_t>(m.discs.body)];
-  const Lanes normal_way = s.normal.x * m.way.x + s.normal.z * m.way.z;
-  const Lanes friction_way = s.friction * m.way.x;
+  const Lanes3 way = m.frames.to_links(m.way_W);
+  const Lanes normal_way = s.normal.x * way.x + s.normal.z * way.z;
+  const Lanes friction_way = s.friction * way.x;
   rim.spin += s.friction.sum();
   rim.both += friction_way.sum();
-  rim.damping += (friction_way * m.way.x + s.damping * normal_way * normal_way).sum();
+  rim.damping += (friction_way * way.x + s.damping * normal_way * normal_way).sum();
   rim.stiffness += (s.stiffness * normal_way * normal_way).sum();
+}
+
+/// Loads of a disc that pushes a link with (-x, -z), in the link's plane.
+LinkLoads push_down(const Lanes3& disc, const Lanes& x, const Lanes& z) {
+  return {{-x, 0.0, -z}, {-(disc.y * z), disc.x * z - disc.z * x, disc.y * x}};
 }
 
 /// Both discs on plates or edges, `lateral` from the pair's centre. Returns the lanes that they touch.
@@ -145,18 +151,21 @@ unsigned touch_path(const Meeting& m, double stiffness, const Lanes& lateral, Lo
   const Lanes3 rate = m.velocity + cross(m.spin, arm);
   const Lanes fx = stiffness * patch.force_x, fz = stiffness * patch.force_z;
   const Lanes elastic = (fx * fx + fz * fz).sqrt();
-  const Lanes inverse = 1.0 / elastic.max(k_least_force), nx = fx * inverse, nz = fz * inverse;
-  const Lanes closing = -(nx * rate.x + nz * rate.z);
-  const Lanes factor = normal_factor(law, closing), normal = elastic * factor;
+  const Lanes inverse = 1.0 / elastic.max(k_least_force), power = -(fx * rate.x + fz * rate.z);
+  const Lanes factor = normal_factor(law, power * inverse), normal = elastic * factor;
 
   const Lanes3 place{disc.x + patch.center, disc.y, path};
   const Lanes3 slip = m.velocity + cross(m.spin, place - m.center);
   const Lanes slip2 = slip.x * slip.x + slip.y * slip.y;
   const Lanes q = sliding_friction(law, normal, slip2);
-  load.elastic = LinkLoads::at(disc, {-fx, 0.0, -fz});
-  load.lost = LinkLoads::at(disc, {fx * (1.0 - factor), 0.0, fz * (1.0 - factor)});
-  load.lost.add(place, {q * slip.x, q * slip.y, 0.0});
+  const Lanes damped = 1.0 - factor, rubbed_x = q * slip.x, rubbed_y = q * slip.y;
+  load.elastic = push_down(disc, fx, fz);
+  const Lanes lost_x = fx * damped, lost_z = fz * damped;
+  load.lost = {{lost_x + rubbed_x, rubbed_y, lost_z},
+               {disc.y * lost_z - path * rubbed_y, disc.z * lost_x - disc.x * lost_z + path * rubbed_x,
+                place.x * rubbed_y - place.y * rubbed_x - disc.y * lost_x}};
   if (work.bounds_step) {
+    const Lanes nx = fx * inverse, nz = fz * inverse;
     add_slopes(m,
                {disc,
                 {nx, nz, disc.z * nx - disc.x * nz},
@@ -167,7 +176,7 @@ unsigned touch_path(const Meeting& m, double stiffness, const Lanes& lateral, Lo
                work);
   }
   sums.energy += stiffness * patch.energy;
-  sums.contact_power += elastic * (factor - 1.0) * closing;
+  sums.contact_power -= damped * power;
   sums.friction_power += q * slip2;
   return touching;
 }
@@ -214,22 +223,25 @@ unsigned touch_guide(const Meeting& m, Loads& load, TrackSums& sums, Workspace& 
   return touched;
 }
 
-void push_apart(const Meeting& m, const Loads& load_L, Partner partner, const State& state, LaneSpatial& on_pair,
+/// Loads on four links from `first` on, twice, and their opposite on the pair. Not handed a Meeting, which can then
+/// stay in registers.
+void push_apart(int first, const Loads& load_L, Partner partner, const State& state, LaneSpatial& on_pair,
                 Workspace& work) {
-  const Lanes3 lost = m.frames.to_world(load_L.lost.force), lost_torque = m.frames.to_world(load_L.lost.torque);
-  const Lanes3 force = m.frames.to_world(load_L.elastic.force) + lost;
-  const Lanes3 torque = m.frames.to_world(load_L.elastic.torque) + lost_torque;
+  const LinkFrames frames(work, first);
+  const Lanes3 lost = frames.to_world(load_L.lost.force), lost_torque = frames.to_world(load_L.lost.torque);
+  const Lanes3 force = frames.to_world(load_L.elastic.force) + lost;
+  const Lanes3 torque = frames.to_world(load_L.elastic.torque) + lost_torque;
   const auto add = [&](Field& field, const Lanes3& v) {
-    add_halves_to(field[0] + m.first, v.x);
-    add_halves_to(field[1] + m.first, v.y);
-    add_halves_to(field[2] + m.first, v.z);
+    add_halves_to(field[0] + first, v.x);
+    add_halves_to(field[1] + first, v.y);
+    add_halves_to(field[2] + first, v.z);
   };
   add(work.loss_force_W, lost);
   add(work.loss_torque_W, lost_torque);
   add(work.force_W, force);
   add(work.torque_W, torque);
   add(work.contact_force_W[static_cast<std::size_t>(partner)], force);
-  const Lanes3 from_base = load_twice3(state.position, m.first) - in_all_lanes(state.chassis.position);
+  const Lanes3 from_base = load_twice3(state.position, first) - in_all_lanes(state.chassis.position);
   on_pair.linear = on_pair.linear - force;
   on_pair.angular = on_pair.angular - (cross(from_base, force) + torque);
 }
@@ -241,7 +253,7 @@ void meet_path(const Meeting& m, double stiffness, const State& state, LaneSpati
   Loads load;
   const unsigned touching = touch_path(m, stiffness, Lanes::Values{-o, -o, -o, -o, o, o, o, o}, load, sums, work);
   if (touching == 0) return;
-  push_apart(m, load, m.discs.partner, state, on_pair, work);
+  push_apart(m.first, load, m.discs.partner, state, on_pair, work);
   const unsigned inner = touching & k_one_disc, outer = touching >> k_window;
   const unsigned edge = bits_of(0.5 * m.track.pitch < m.center.x.abs());
   count_case(work, ContactCase::one_disc_on_plate, (inner ^ outer) & ~edge);
@@ -255,7 +267,7 @@ void meet_guide(const Meeting& m, const State& state, LaneSpatial& on_pair, Trac
   Loads load;
   const unsigned touched = touch_guide(m, load, sums, work);
   count_case(work, ContactCase::guide_none, bits_of(m.near) & k_one_disc & ~touched);
-  if (touched != 0) push_apart(m, load, Partner::guide, state, on_pair, work);
+  if (touched != 0) push_apart(m.first, load, Partner::guide, state, on_pair, work);
 }
 
 /// Unit vector along which the centre of a wheel can go on its arm, in W; 0 on the hull.
@@ -299,7 +311,7 @@ void track_discs(const Tree& tree, const CompiledTrack& track, double stiffness_
                             frames.to_links(axle_W),
                             frames.to_links(spin_W) - turn,
                             velocity,
-                            frames.to_links(way_W)};
+                            way_W};
       meet_path(meeting, stiffness_scale * discs.contact.stiffness, state, on_pair, sums, work);
       if (track.guide_height > 0.0) meet_guide(meeting, state, on_pair, sums, work);
     });

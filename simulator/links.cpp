@@ -9,8 +9,8 @@ namespace {
 /// round-off.
 void turn(const State& now, const Lanes3& angle, int i, State& next) {
   const Lanes u = 0.25 * dot(angle, angle);
-  const Lanes c = 1.0 - u * (0.5 - u * (1.0 / 24.0 - u * (1.0 / 720.0 - u * (1.0 / 40320.0 - u / 3628800.0))));
-  const Lanes s = 0.5 * (1.0 - u * (1.0 / 6.0 - u * (1.0 / 120.0 - u * (1.0 / 5040.0 - u / 362880.0))));
+  const Lanes c = 1.0 - u * (0.5 - u * (1.0 / 24.0 - u * (1.0 / 720.0 - u * (1.0 / 40320.0 - u * (1.0 / 3628800.0)))));
+  const Lanes s = 0.5 * (1.0 - u * (1.0 / 6.0 - u * (1.0 / 120.0 - u * (1.0 / 5040.0 - u * (1.0 / 362880.0)))));
   const Lanes ex = s * angle.x, ey = s * angle.y, ez = s * angle.z;
   const Lanes w = load(now.orientation[0] + i), x = load(now.orientation[1] + i);
   const Lanes y = load(now.orientation[2] + i), z = load(now.orientation[3] + i);
