@@ -249,6 +249,8 @@ ElementKinematics element_kinematics(const BodyLanes& own, const BodyLanes& next
 }
 
 void prepare_branches(const CompiledAxis& axis, double h, AxisBranches& branches) {
+  if (branches.h == h) return;
+  branches.h = h;
   branches.gain = branches.work_per_way = 0.0;
   for (std::size_t block = 0; block < axis.relaxation_rate.size(); ++block) {
     const auto [lost, share, rest] = relaxation(h * axis.relaxation_rate[block]);

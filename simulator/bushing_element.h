@@ -67,7 +67,8 @@ struct RubberStep {
   bool memory;  ///< false: the rubber is taken as relaxed, with a plain damper
 };
 
-/// The constants of an axis' branches for a step of length h; `branches` has a place for each.
+/// The constants of an axis' branches for a step of length h; `branches` has a place for each, and may hold those
+/// already: most steps are as long as the one before.
 void prepare_branches(const CompiledAxis& axis, double h, AxisBranches& branches);
 
 /// The law of eight bushings whose rows in the arrays of joints begin at `joint`. With a radial play c the rubber feels

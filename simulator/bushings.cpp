@@ -21,8 +21,7 @@ void store_bushings(const RubberLoad& rubber, int joint, double scale, Workspace
   store3(work.bushing_torque, joint, {scale * f[3], scale * f[4], scale * f[5]});
 }
 
-void store_wrench(const ElementWrench& wrench, int joint, Workspace& work) {
-  store3(work.joint_force_W, joint, wrench.force);
+void store_torques(const ElementWrench& wrench, int joint, Workspace& work) {
   store3(work.joint_torque_next_W, joint, wrench.torque_next);
   store3(work.joint_torque_own_W, joint, wrench.torque_own);
 }
@@ -38,7 +37,8 @@ class LinkSums {
 
   /// Joints from `joint` on, block by block in their order, each link's own ahead of it.
   void add(const ElementWrench& wrench, int joint) {
-    store_wrench(wrench, joint, work_);
+    store3(work_.joint_force_W, joint, wrench.force);
+    if (work_.keeps_joint_torques) store_torques(wrench, joint, work_);
     const Lanes3 none{0.0, 0.0, 0.0};
     const LaneMask valid = LaneMask::first(track_.offset + track_.num_links - joint);
     store3(work_.force_W, joint, choose(valid, one_behind(force_, wrench.force) - wrench.force, none));
@@ -48,10 +48,11 @@ class LinkSums {
   }
   /// The first link lacks the last joint behind it; the copy behind the last link begins with nothing.
   void close() {
-    const int first = track_.offset, end = first + track_.num_links;
+    const int first = track_.offset, end = first + track_.num_links, last = (track_.num_links + k_lanes - 1) % k_lanes;
+    const Vector3d force = in_lane(last, force_), torque = in_lane(last, torque_);
     for (int c = 0; c < 3; ++c) {
-      work_.force_W[c][first] += work_.joint_force_W[c][end - 1];
-      work_.torque_W[c][first] += work_.joint_torque_next_W[c][end - 1];
+      work_.force_W[c][first] += force[c];
+      work_.torque_W[c][first] += torque[c];
       work_.force_W[c][end] = work_.torque_W[c][end] = 0.0;
     }
   }
@@ -205,7 +206,9 @@ void double_pins(const RubberStep& step, const State& state, double scale, Works
     const Lanes mask = scale * lane_mask(track.num_links - first);
     for (const auto& [bushings, row] : {std::pair(&joints.front, rows.front), std::pair(&joints.rear, rows.rear)}) {
       store_bushings(bushings->rubber, row, scale, work);
-      store_wrench(scaled(scale, bushings->wrench), row, work);
+      const ElementWrench wrench = scaled(scale, bushings->wrench);
+      store3(work.joint_force_W, row, wrench.force);
+      store_torques(wrench, row, work);
       book_energy(bushings->rubber.energy, mask, work.energy);
     }
   }

@@ -68,6 +68,10 @@ CompiledSprocket compile_sprocket(const Sprocket& from, const Track& track, int 
   CompiledSprocket sprocket;
   sprocket.body = body;
   sprocket.teeth = from.teeth;
+  for (int gap = 0; gap < from.teeth; ++gap) {
+    const double angle = 2.0 * k_pi * gap / from.teeth;
+    sprocket.gaps.push_back({std::cos(angle), std::sin(angle)});
+  }
   sprocket.pitch_radius = track.pitch / (2.0 * std::sin(k_pi / from.teeth));
   sprocket.tip_radius = from.tip_radius;
   sprocket.base_radius = from.base_radius;

@@ -180,20 +180,15 @@ struct GapDirection {
   Lanes x = 1.0, z = 0.0;
 };
 
-GapDirection nearest_gap(int teeth, const Lanes3& place) {
-  const double step = 2.0 * k_pi / teeth, step_x = std::cos(step), step_z = std::sin(step);
+GapDirection nearest_gap(const CompiledSprocket& sprocket, const Lanes3& place) {
   GapDirection nearest;
   Lanes furthest_along = place.x;  // gap 0 stands along x
-  double x = step_x, z = step_z;
-  for (int gap = 1; gap < teeth; ++gap) {
+  for (const auto& [x, z] : std::span(sprocket.gaps).subspan(1)) {
     const Lanes along = x * place.x + z * place.z;
     const LaneMask nearer = furthest_along < along;
     furthest_along = furthest_along.max(along);
     nearest.x = choose(nearer, x, nearest.x);
     nearest.z = choose(nearer, z, nearest.z);
-    const double next_x = x * step_x - z * step_z;
-    z = z * step_x + x * step_z;
-    x = next_x;
   }
   return nearest;
 }
@@ -234,7 +229,7 @@ void meet_ring(const Wheel& wheel, const Pins& pins, const State& state, Sums& s
   const Lanes zero = 0.0;
   const LaneMask in_reach = pins.near & (pins.radius <= sprocket.tip_radius + sprocket.pin_radius);
   if (bits_of(in_reach) == 0) return;
-  const GapDirection gap = nearest_gap(sprocket.teeth, pins.place);
+  const GapDirection gap = nearest_gap(sprocket, pins.place);
   const Lanes x = gap.x * pins.place.x + gap.z * pins.place.z, y = gap.x * pins.place.z - gap.z * pins.place.x;
   const ToothContact tooth = touch_tooth(sprocket, x, y);
   const Lanes tooth_depth = choose(in_reach, tooth.penetration, zero).max(0.0);
@@ -313,8 +308,10 @@ void sprocket_contacts(const System& system, const AssemblyKnobs& knobs, const S
     for_windows<k_lanes>(track, blocks_near(track, work, center, reach), near, [&](int first, unsigned bits) {
       const LaneMask counted = LaneMask::of_bits(bits);
       const auto pins = [&](double aside) { return place_pins(wheel, bearers, state, work, first, counted, aside); };
-      for (const double ring : {-outwards, outwards}) meet_ring(wheel, pins(ring), state, sums, work);
-      meet_sides(wheel, pins(0.0), state, sums, work);
+      const Pins inner = pins(-outwards), outer = pins(outwards);
+      for (const Pins* ring : {&inner, &outer}) meet_ring(wheel, *ring, state, sums, work);
+      const Lanes aside = 0.5 * (inner.place.y + outer.place.y).abs();  // of the pins' middles
+      if (bits_of(counted & (sprocket.side_clearance < aside)) != 0) meet_sides(wheel, pins(0.0), state, sums, work);
     });
     close_seam(track, work);
     work.energy.contact += sums.energy.sum();

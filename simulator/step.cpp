@@ -163,6 +163,7 @@ Stepper::Stepper(const System& system, State start, const AssemblyKnobs& start_k
       works_{make_workspace(system), make_workspace(system)},
       accelerations_{make_acceleration(system), make_acceleration(system), make_acceleration(system)},
       reach_(furthest_pivot(system.tree)) {
+  for (Workspace& work : works_) work.keeps_joint_torques = false;
   restart();
 }
 

@@ -68,6 +68,7 @@ struct CompiledDiscs {
 struct CompiledSprocket {
   int body = 0;
   int teeth = 10;
+  std::vector<std::array<double, 2>> gaps;  ///< unit vectors (x, z) to the middles of the gaps, the first along x
   double pitch_radius = 0.0;
   double tip_radius = 0.0, base_radius = 0.0;
   double pin_radius = 0.0;

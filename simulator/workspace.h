@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <limits>
 #include <vector>
 
 #include "model/bushing_law.h"
@@ -78,6 +79,7 @@ struct AssemblyKnobs {
 struct AxisBranches {
   std::vector<MaxwellStep> branch;
   double gain = 0.0, work_per_way = 0.0;
+  double h = std::numeric_limits<double>::quiet_NaN();  ///< s, the step's length; no number: not yet found
 };
 
 /// Overwritten by every evaluation; each array says its shape, unit, frame and which stage writes it.
@@ -88,7 +90,8 @@ struct Workspace {
   Field rotation;             ///< link -> W, row-major (9 x links), by place_bodies
   Field angular_velocity_W;   ///< rad/s, W (3 x links), by place_bodies
   Field joint_force_W;        ///< bushing force on link i+1 at the pin [N], W (3 x joints), by bushing_forces
-  Field joint_torque_next_W;  ///< its moment about link i+1's centre [N m], W (3 x joints), by bushing_forces
+  Field joint_torque_next_W;  ///< its moment about link i+1's centre [N m], W (3 x joints), by bushing_forces, where
+                              ///< keeps_joint_torques or connectors are bodies
   Field joint_torque_own_W;   ///< its moment about link i's centre, to be subtracted [N m], W, by bushing_forces
   Field bushing_force;        ///< in frame i, on link i, +x = tension [N] (3 x joints), by bushing_forces
   Field bushing_torque;       ///< moments dual to the deflection's angles [N m] (3 x joints), by bushing_forces
@@ -119,6 +122,7 @@ struct Workspace {
   std::array<double, k_num_sides>
       lateral_guide_offset{};  ///< largest |y| of a link engaged with a wheel [m], by guide_contacts
   std::array<long, k_num_contact_cases> case_count{};  ///< this evaluation
+  bool keeps_joint_torques = true;                     ///< wanted: no step needs those of joints that links share
   bool bounds_step = true;  ///< wanted of this evaluation: the slopes of all forces, and largest_stable_step from them
   double largest_stable_step = 0.0;  ///< s, by bound_step, below the true one
   Part bounding;                     ///< what set it
