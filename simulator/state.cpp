@@ -50,7 +50,9 @@ void close_chains(const System& system, State& state) {
       const int first = bodies.offset, last = first + bodies.count, end = first + padded_length(bodies.count);
       for (Field* field : {&state.position, &state.orientation, &state.velocity, &state.angular_velocity}) {
         for (int c = 0; c < field->components(); ++c) {
-          std::fill((*field)[c] + last, (*field)[c] + end, (*field)[c][first]);
+          const Lanes repeated = (*field)[c][first];  // what is padded is eight to fifteen long
+          store((*field)[c] + last, repeated);
+          store((*field)[c] + end - k_lanes, repeated);
         }
       }
     }

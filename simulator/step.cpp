@@ -272,7 +272,10 @@ void Stepper::choose_next_step(double error_ratio) {
     return;
   }
   const double used = previous_h_;
-  h_ = used * std::max(0.2, 0.9 * std::cbrt(1.0 / std::max(error_ratio, 1e-9)));
+  constexpr double k_safety = 0.9;
+  const double grown = options.growth_limit / k_safety;
+  h_ = std::numeric_limits<double>::infinity();
+  if (error_ratio * grown * grown * grown >= 1.0) h_ = used * std::max(0.2, k_safety * std::cbrt(1.0 / error_ratio));
   limit_ = StepLimit::error;
   limiting_ = worst_;
   const auto bound = [&](double h, StepLimit why) {

@@ -76,13 +76,23 @@ Lanes given_motion(const TreeBlock& block, std::span<const double> prescribed_ac
   return choose(0.5 < block.free, 0.0, gather(prescribed_acceleration.data(), block.body));
 }
 
+/// By stores of lanes: for a value so large the compiler would call memset, which takes longer.
+void clear(ArticulatedLoad& load) {
+  const Lanes3 none{0.0, 0.0, 0.0};
+  auto& [rotation, coupling, translation] = load.inertia;
+  coupling = {none, none, none};
+  rotation = translation = {none, none};
+  load.bias = {none, none};
+}
+
 using BaseLoads = std::array<ArticulatedLoad, 2>;  ///< of the base's children, by mirror group
 
 /// From the leaves to the base: what each body and those it carries put on its parent. Adds to `energy`.
 BaseLoads fold_to_base(std::span<const double> prescribed_acceleration, TreeWorkspace& work, Lanes& energy) {
-  BaseLoads base{};
+  BaseLoads base;
+  for (ArticulatedLoad& load : base) clear(load);
   for (std::size_t b = 0; b < work.blocks.size(); ++b) {
-    if (work.blocks[b].bears) work.states[b].borne = {};
+    if (work.blocks[b].bears) clear(work.states[b].borne);
   }
   for (std::size_t b = work.blocks.size(); b-- > 0;) {
     const TreeBlock& block = work.blocks[b];
