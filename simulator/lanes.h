@@ -229,8 +229,14 @@ class LaneTable {
   template <std::size_t known>
   [[nodiscard]] std::array<Lanes, columns> at(const Lanes& x, std::size_t length) const {
     const std::size_t n = known > 0 ? known : length;
-    Places place{};
-    for (auto half = static_cast<std::int64_t>(n / 2); half > 0; half /= 2) {  // bisection
+    // Bisection. The first two looks go to one place and to one of two, which need no permutation.
+    const auto half_way = static_cast<std::int64_t>(n / 2), quarter = static_cast<std::int64_t>(n / 4);
+    const LaneMask second_half = Lanes(values_.data()[n / 2]) <= x;
+    const LaneMask second_quarter =
+        grouser::choose(second_half, values_.data()[n / 2 + n / 4], values_.data()[n / 4]) <= x;
+    Places place = choose(second_half, Places{} + half_way, Places{});
+    place = choose(second_quarter, place + quarter, place);
+    for (auto half = quarter / 2; half > 0; half /= 2) {
       const Places further = place + half;
       place = choose(look_up(0, n, further) <= x, further, place);
     }
