@@ -63,11 +63,23 @@ class LinkSums {
   Lanes3 force_{0.0, 0.0, 0.0}, torque_{0.0, 0.0, 0.0};  ///< on the link ahead, of the joints before
 };
 
-void book_energy(const ElementEnergy& energy, const Lanes& mask, EnergyTerms& terms) {
-  terms.bushing += (mask * energy.stored).sum();
-  terms.bushing_power += (mask * energy.power).sum();
-  terms.bushing_step_loss += (mask * energy.step_loss).sum();
-}
+/// What a track's bushings hold and lose, summed over lanes at its end.
+class EnergySums {
+ public:
+  void add(const ElementEnergy& energy, const Lanes& mask) {
+    sums_.stored += mask * energy.stored;
+    sums_.power += mask * energy.power;
+    sums_.step_loss += mask * energy.step_loss;
+  }
+  void book(EnergyTerms& terms) const {
+    terms.bushing += sums_.stored.sum();
+    terms.bushing_power += sums_.power.sum();
+    terms.bushing_step_loss += sums_.step_loss.sum();
+  }
+
+ private:
+  ElementEnergy sums_;
+};
 
 AxisLanes scaled(double scale, AxisLanes force) {
   for (Lanes& f : force) f *= scale;
@@ -94,6 +106,7 @@ void single_pins(const RubberStep& step, const State& state, double scale, Works
   const CompiledTrack& track = step.track;
   const ElementShape shape{track.groove, -track.groove};
   LinkSums sums(track, work);
+  EnergySums energy;
   for (int first = 0; first < track.num_links; first += k_lanes) {
     const int i = track.offset + first;
     ask_for_bodies(state, work, i + 2 * k_lanes);  // those of the next block reach into that one
@@ -102,9 +115,10 @@ void single_pins(const RubberStep& step, const State& state, double scale, Works
     const RubberLoad rubber = rubber_load(step, k, i);
     store_bushings(rubber, i, scale, work);
     sums.add(element_wrench(own, next, k, scaled(scale, rubber.force)), i);
-    book_energy(rubber.energy, scale * lane_mask(track.num_links - first), work.energy);
+    energy.add(rubber.energy, scale * lane_mask(track.num_links - first));
   }
   sums.close();
+  energy.book(work.energy);
 }
 
 /// Lanes from `valid` on repeat the last valid one: the padding behind a track's last joint is no joint.
@@ -155,6 +169,7 @@ ElementWrench wrench_between_shoes(const DoublePinJoints& joints, const BodyLane
 void condensed_double_pins(const RubberStep& step, const State& state, double scale, Workspace& work) {
   const CompiledTrack& track = step.track;
   LinkSums sums(track, work);
+  EnergySums energy;
   for (int first = 0; first < track.num_links; first += k_lanes) {
     const DoublePinRows rows{track.offset + first, track.connector_offset + first};
     const int valid = std::min(k_lanes, track.num_links - first);
@@ -167,10 +182,11 @@ void condensed_double_pins(const RubberStep& step, const State& state, double sc
     if (work.bounds_step) condense_tangents(track, rows, work);
     sums.add(scaled(scale, wrench_between_shoes(joints, link, next)), rows.front);
     const Lanes mask = scale * lane_mask(valid);
-    book_energy(joints.front.rubber.energy, mask, work.energy);
-    book_energy(joints.rear.rubber.energy, mask, work.energy);
+    energy.add(joints.front.rubber.energy, mask);
+    energy.add(joints.rear.rubber.energy, mask);
   }
   sums.close();
+  energy.book(work.energy);
 }
 
 /// The wrenches of both bushings of every joint on shoes and connectors.
@@ -197,6 +213,7 @@ void sum_connector_forces(const CompiledTrack& track, Workspace& work) {
 /// Double pin whose connectors are bodies of their own.
 void double_pins(const RubberStep& step, const State& state, double scale, Workspace& work) {
   const CompiledTrack& track = step.track;
+  EnergySums energy;
   for (int first = 0; first < track.num_links; first += k_lanes) {
     const DoublePinRows rows{track.offset + first, track.connector_offset + first};
     const BodyLanes link = load_bodies(state, work, rows.front), next = load_bodies(state, work, rows.front + 1);
@@ -209,9 +226,10 @@ void double_pins(const RubberStep& step, const State& state, double scale, Works
       const ElementWrench wrench = scaled(scale, bushings->wrench);
       store3(work.joint_force_W, row, wrench.force);
       store_torques(wrench, row, work);
-      book_energy(bushings->rubber.energy, mask, work.energy);
+      energy.add(bushings->rubber.energy, mask);
     }
   }
+  energy.book(work.energy);
   sum_connector_forces(track, work);
 }
 

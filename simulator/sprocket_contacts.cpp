@@ -12,6 +12,7 @@ struct Wheel {
   const CompiledTrack& track;
   double stiffness;  ///< N/m per ring
   BlockFrame frame;  ///< origin_W: less the base's centre of mass
+  bool slopes;       ///< wanted, for the step's bound
   [[nodiscard]] Lanes3 to_sprocket(const Lanes3& v_W) const { return transposed_times(frame.rotation, v_W); }
   [[nodiscard]] Lanes3 to_world(const Lanes3& v_S) const { return frame.rotation * v_S; }
 };
@@ -129,9 +130,9 @@ void push_pins(const Wheel& wheel, const Pins& pins, const PinForce& pushed, Wor
     const int body = pins.first + bearer.from_joint;
     note_losses(work, body, LinkLoads::at(pins.arm_W[b], bearer.share * lost));
     push_links(work, body, LinkLoads::at(pins.arm_W[b], bearer.share * force), Partner::sprocket);
-    if (work.bounds_step) add_slopes(wheel, bearer, body, pushed, work);
+    if (wheel.slopes) add_slopes(wheel, bearer, body, pushed, work);
   }
-  work.rim[static_cast<std::size_t>(track.sprocket.body)].spin += pushed.friction.sum();
+  if (wheel.slopes) work.rim[static_cast<std::size_t>(track.sprocket.body)].spin += pushed.friction.sum();
 }
 
 /// The link ahead of the last joint is the first one: what was put on its copy behind the last link is its own.
@@ -161,6 +162,10 @@ void touch_surface(const Wheel& wheel, const Lanes& depth, const Lanes& normal_x
   const Lanes3 normal{normal_x, 0.0, normal_z}, lost = (force - elastic) * normal - q * slip;
   pushed.force = pushed.force + elastic * normal + lost;
   pushed.lost = pushed.lost + lost;
+  sums.energy += 0.5 * elastic * depth;
+  sums.contact_power += elastic * (factor - 1.0) * closing;
+  sums.friction_power += q * slip2;
+  if (!wheel.slopes) return;
   const LaneMask touching = 0.0 < depth;
   const Lanes stiffness = choose(touching, wheel.stiffness * factor.max(1.0), 0.0), damping = law.rate * elastic;
   const Lanes friction = steepest_friction(law, force);
@@ -170,9 +175,6 @@ void touch_surface(const Wheel& wheel, const Lanes& depth, const Lanes& normal_x
   pushed.normal_stiffness += stiffness;
   pushed.normal_damping += damping;
   pushed.friction += friction;
-  sums.energy += 0.5 * elastic * depth;
-  sums.contact_power += elastic * (factor - 1.0) * closing;
-  sums.friction_power += q * slip2;
 }
 
 /// Unit vector (x, z) in S to the middle of the gap that is nearest to each pin.
@@ -289,7 +291,7 @@ void sprocket_contacts(const System& system, const AssemblyKnobs& knobs, const S
   for (const CompiledTrack& track : system.tracks) {
     const CompiledSprocket& sprocket = track.sprocket;
     const Wheel wheel{track, knobs.stiffness_scale * sprocket.contact.stiffness,
-                      work.chassis.spread_frame(sprocket.body)};
+                      work.chassis.spread_frame(sprocket.body), work.bounds_step};
     const LinkBodies &links = track.bodies.front(), &connectors = track.bodies.back();
     const std::array<Bearer, 2> shoes{Bearer{links, 1, -track.groove, 0.5}, Bearer{links, 0, track.groove, 0.5}};
     const std::array<Bearer, 1> link{Bearer{links, 1, -track.groove, 1.0}};
