@@ -48,7 +48,7 @@ constexpr Stage k_stages[] = {
                           s.acceleration.chassis);
      }},
     {"link accelerations", [](Scene& s) { link_accelerations(s.system, s.knobs, s.state, s.work, s.acceleration); }},
-    {"error estimate",
+    {"errors and losses",
      [](Scene& s) {
        const double beta = s.system.scenario.integrator.beta;
        benchmark::DoNotOptimize(judge_links(s.system, error_weights(beta, k_step, k_step),
