@@ -29,4 +29,8 @@ std::ifstream open_input(const std::filesystem::path& file) {
   return stream;
 }
 
+void require_sound(const std::ifstream& stream, const std::filesystem::path& file) {
+  if (stream.bad()) refuse(file, std::strerror(EIO));
+}
+
 }  // namespace grouser

@@ -11,4 +11,7 @@ void require_plain_file(const std::filesystem::path& file);
 /// Opens a plain file for reading; throws FileError with the reason.
 [[nodiscard]] std::ifstream open_input(const std::filesystem::path& file);
 
+/// Throws FileError when a read failed: what came before it is no whole file, and nothing may be said of its content.
+void require_sound(const std::ifstream& stream, const std::filesystem::path& file);
+
 }  // namespace grouser

@@ -1,10 +1,12 @@
 #include "model/rig.h"
 
 #include <algorithm>
+#include <fstream>
 #include <map>
 #include <set>
 
 #include "model/file_json.h"
+#include "model/input_file.h"
 #include "model/rig_columns.h"
 
 namespace grouser {
@@ -281,13 +283,16 @@ class RigReader {
       return;
     }
     const fs::path path = (file_.parent_path() / named).lexically_normal();
-    Findings of_file(path.string());
+    std::ifstream stream;
     try {
-      const std::string digest = read_rig_columns(path, sensors_, rig_.thermal, entry, of_file);
-      rig_.provenance.inputs.push_back({"rig data " + entry.test.name, entry.test.file, digest});
-    } catch (const FileError& error) {
+      stream = open_input(path);
+    } catch (const FileError& error) {  // a name that is wrong; a read that fails later is the machine's fault
       findings_.add(entry.pointer + "/file", "a file that can be read", entry.test.file, error.what());
+      return;
     }
+    Findings of_file(path.string());
+    const std::string digest = read_rig_columns(path, stream, sensors_, rig_.thermal, entry, of_file);
+    rig_.provenance.inputs.push_back({"rig data " + entry.test.name, entry.test.file, digest});
     findings_.add(of_file);
   }
 

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cerrno>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 
 #include "model/calibration.h"
 #include "model/csv.h"
@@ -270,10 +268,10 @@ void check_temperature(const std::vector<double>& temperature, const std::string
 
 }  // namespace
 
-std::string read_rig_columns(const std::filesystem::path& file, const RigSensors& sensors,
+std::string read_rig_columns(const std::filesystem::path& file, std::ifstream& stream, const RigSensors& sensors,
                              const std::optional<ThermalCorrection>& thermal, RigTestEntry& entry, Findings& findings) {
-  std::ifstream stream = open_input(file);
   CsvReader table(stream, findings);
+  require_sound(stream, file);
   if (!findings.empty()) return {};
   const Channels channels = ColumnFinder(table, findings).find(entry, sensors, thermal.has_value());
   if (!findings.empty()) return {};
@@ -284,7 +282,7 @@ std::string read_rig_columns(const std::filesystem::path& file, const RigSensors
   const bool two = channels.displacement.columns.size() > 1;
   if (two) wanted.push_back(channels.displacement.columns[1]);
   std::vector<CsvColumn> columns = table.read(wanted);
-  if (stream.bad()) throw FileError("cannot read " + file.string() + ": " + std::strerror(errno));
+  require_sound(stream, file);
   RigTest& test = entry.test;
   if (findings.empty() && is_asked_for(test, CorrectionKind::swap_columns)) swap_columns(channels, columns, findings);
   if (!findings.empty()) return {};

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <fstream>
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,9 +42,10 @@ struct RigTestEntry {
 }
 [[nodiscard]] inline Dimension force_of(Axis axis) { return is_rotation(axis) ? dimension::torque : dimension::force; }
 
-/// Fills the signals of `entry.test` from its file and returns the SHA-256 of the file's bytes. What is wrong with the
-/// file is noted in `findings`. With `thermal`, a temperature column must be there. Throws FileError.
-std::string read_rig_columns(const std::filesystem::path& file, const RigSensors& sensors,
+/// Fills the signals of `entry.test` from its file, open as `stream`, and returns the SHA-256 of the file's bytes. What
+/// is wrong with the file is noted in `findings`. With `thermal`, a temperature column must be there. Throws FileError
+/// when a read fails.
+std::string read_rig_columns(const std::filesystem::path& file, std::ifstream& stream, const RigSensors& sensors,
                              const std::optional<ThermalCorrection>& thermal, RigTestEntry& entry, Findings& findings);
 
 }  // namespace grouser

@@ -1,8 +1,12 @@
 #include "model/run_file.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <system_error>
 
+#include "model/descriptor.h"
 #include "model/hdf5_superblock.h"
 #include "model/replace_file.h"
 
@@ -98,6 +102,24 @@ RunFile::RunFile(const std::filesystem::path& path, std::vector<ChannelTable> ta
   if (H5Fstart_swmr_write(file_.id()) < 0) fail_hdf5("start writing", final_path_);
 }
 
+/// Whatever HDF5 still holds back goes nowhere: closed, it would write lengths of what did not reach the disk. What a
+/// refused write leaves is what a kill would leave.
+void RunFile::freeze() {
+  void* handle = nullptr;
+  const Descriptor nowhere(::open("/dev/null", O_RDWR | O_CLOEXEC));
+  if (nowhere.number() < 0 || H5Fget_vfd_handle(file_.id(), H5P_DEFAULT, &handle) < 0) return;
+  ::dup3(nowhere.number(), *static_cast<const int*>(handle), O_CLOEXEC);
+}
+
+void RunFile::fail(const std::string& action) {
+  try {
+    fail_hdf5(action, final_path_);
+  } catch (...) {
+    freeze();
+    throw;
+  }
+}
+
 void RunFile::write(std::size_t table, std::size_t first, std::span<const double> rows) {
   const ChannelTable& channels = tables_[table];
   const std::size_t row_size = channels.row_size();
@@ -115,16 +137,16 @@ void RunFile::write_channel(std::size_t table, std::size_t channel_i, std::size_
   const Channel& channel = tables_[table].channels[channel_i];
   const hid_t set = datasets_[table][channel_i].id();
   const std::vector<hsize_t> total = with_rows(first + count, channel);
-  if (H5Dset_extent(set, total.data()) < 0) fail_hdf5("extend " + channel.path, final_path_);
+  if (H5Dset_extent(set, total.data()) < 0) fail("extend " + channel.path);
   std::vector<hsize_t> start(total.size(), 0);
   start[0] = first;
   constexpr std::uint32_t k_all_filters = 0;  // applied: a bit tells which was left out
   if (H5Dwrite_chunk(set, H5P_DEFAULT, k_all_filters, start.data(), chunk.size(), chunk.data()) < 0)
-    fail_hdf5("write " + channel.path, final_path_);
+    fail("write " + channel.path);
 }
 
 void RunFile::flush() {
-  if (H5Fflush(file_.id(), H5F_SCOPE_GLOBAL) < 0) fail_hdf5("flush", final_path_);
+  if (H5Fflush(file_.id(), H5F_SCOPE_GLOBAL) < 0) fail("flush");
   make_superblock_readable(path_);
 }
 

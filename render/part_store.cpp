@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <fstream>
 #include <system_error>
 
@@ -55,14 +56,30 @@ std::vector<fs::path> PartStore::files() const {
   return files;
 }
 
-void PartStore::remove_from(int part) const {
-  std::error_code ignored;
-  while (fs::remove(file_of(part), ignored)) ++part;
+/// Of the folder, one by one: parts that were taken away before may have left a hole.
+std::vector<fs::path> PartStore::parts_from(int first) const {
+  std::vector<fs::path> parts;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
+    const std::string name = entry.path().filename().string(), stem = names_.stem;
+    if (!name.starts_with(stem)) continue;
+    int part = 0;
+    const bool numbered = std::from_chars(name.data() + stem.size(), name.data() + name.size(), part).ec == std::errc();
+    if (numbered && part >= first && file_of(part).filename() == name) parts.push_back(entry.path());
+  }
+  return parts;
+}
+
+void PartStore::cut() const {
+  for (const fs::path& part : parts_from(count_)) {
+    std::error_code error;
+    fs::remove(part, error);
+    if (error) throw FileError("cannot remove " + part.string() + ": " + error.message());
+  }
 }
 
 void PartStore::remove() {
-  remove_from(0);
   std::error_code ignored;
+  for (const fs::path& part : parts_from(0)) fs::remove(part, ignored);
   fs::remove(folder_ / names_.mark, ignored);
   fs::remove(folder_, ignored);
   done_ = 0;

@@ -32,15 +32,15 @@ class PartStore {
   [[nodiscard]] std::filesystem::path next() const { return file_of(done_); }
   void add();
   [[nodiscard]] std::vector<std::filesystem::path> files() const;
-  /// Takes away the parts behind the last, which an earlier whole left that was longer.
-  void cut() const { remove_from(count_); }
+  /// Takes away the parts behind the last, which an earlier whole left that was longer. Throws FileError.
+  void cut() const;
   /// Takes away the parts, the mark, and the folder if nothing else stands in it.
   void remove();
 
  private:
   [[nodiscard]] std::filesystem::path file_of(int part) const;
   void write_mark() const;
-  void remove_from(int part) const;
+  [[nodiscard]] std::vector<std::filesystem::path> parts_from(int first) const;
 
   std::filesystem::path folder_;
   PartNames names_;

@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 
 #include "model/csv.h"
 #include "model/errors.h"
@@ -212,6 +210,7 @@ Measurement read_measurement(const std::filesystem::path& file, const std::vecto
   std::ifstream stream = open_input(file);
   Findings findings(file.string());
   CsvReader table(stream, findings);
+  require_sound(stream, file);
   findings.throw_if_any();
 
   Measurement measurement{file, {}, {}, {}};
@@ -227,7 +226,7 @@ Measurement read_measurement(const std::filesystem::path& file, const std::vecto
   std::vector<std::string> names{time->column};
   for (const Wanted& wanted : matching.wanted()) names.push_back(wanted.column.column);
   const std::vector<CsvColumn> columns = table.read(names, CsvReader::Missing::as_nan);
-  if (stream.bad()) throw FileError("cannot read " + file.string() + ": " + std::strerror(errno));
+  require_sound(stream, file);
   findings.throw_if_any();
   std::vector<double> clock = columns.front().values;
   for (double& t : clock) t = in_si(t, time->unit);

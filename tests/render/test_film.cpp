@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -222,6 +223,21 @@ TEST_F(Film, AQuarterOfTheSpeedTakesFourTimesTheFrames) {
   EXPECT_EQ(render_frames({&opened_}, folder_.path() / "slow", options_), 20);
   options_.speed = 0.0;
   EXPECT_THROW((void)render_film(run(), folder_.path() / "film.mp4", options_), InputError);
+}
+
+/// Frames of an earlier, longer film, of which a step was taken away before: none of them is taken for one of this
+/// film.
+TEST_F(Film, NoFrameOfALongerOneIsLeft) {
+  const fs::path frames = folder_.path() / "frames";
+  const int count = render_frames({&opened_}, frames, options_);
+  const auto frame = [&](int number) { return frames / fmt::format("frame_{:06}.png", number); };
+  for (const int number : {count, count + 2}) fs::copy_file(frame(0), frame(number));
+  fs::copy_file(frame(0), frames / "frame_of_mine.png");
+  render_frames({&opened_}, frames, options_);
+  EXPECT_TRUE(fs::exists(frame(count - 1)));
+  EXPECT_FALSE(fs::exists(frame(count)));
+  EXPECT_FALSE(fs::exists(frame(count + 2)));
+  EXPECT_TRUE(fs::exists(frames / "frame_of_mine.png"));
 }
 
 TEST_F(Film, TwoRunsStandSideBySideInOnePicture) {
