@@ -15,7 +15,8 @@ void require_only_draws(const std::filesystem::path& folder);
 /// finds all of the one or all of the other, whenever this program is killed.
 class BushingDraws {
  public:
-  /// Writes the draws beside `folder`, which holds nothing else; none for an empty list. The draws' names are the caller's ("..., draw 3 of 60").
+  /// Writes the draws beside `folder`, which holds nothing else; none for an empty list. The draws' names are the
+  /// caller's ("..., draw 3 of 60").
   BushingDraws(const std::vector<Bushing>& draws, const std::filesystem::path& folder);
   /// Leaves nothing behind unless published.
   ~BushingDraws();
