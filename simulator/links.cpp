@@ -87,11 +87,11 @@ struct LinkErrors {
   }
 };
 
-/// The largest of squared errors, by lanes until the end; the first one that is no number stays.
+/// The largest of squared errors, by lanes until the end.
 class LargestError {
  public:
   void see(const Lanes& error2, int i, const LaneMask& valid) {
-    const LaneMask larger = (!(error2 <= error2_)) & (error2_ <= error2_) & valid;
+    const LaneMask larger = (error2_ < error2) & valid;
     error2_ = choose(larger, error2, error2_);
     first_ = choose(larger, static_cast<double>(i), first_);
   }
@@ -100,7 +100,6 @@ class LargestError {
     for (int lane = 0; lane < k_lanes; ++lane) {
       const double error2 = error2_[lane];
       const int link = static_cast<int>(first_[lane]) + lane;
-      if (std::isnan(error2)) return {error2, link};
       if (error2 > worst.ratio || (error2 == worst.ratio && link < worst.link)) worst = {error2, link};
     }
     return {std::sqrt(worst.ratio), worst.link};

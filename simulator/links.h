@@ -24,7 +24,7 @@ struct LocalError {
   int link = -1;       ///< link array index
 };
 struct LinkVerdict {
-  /// Largest embedded error of any link over its tolerance, and whose it is; a link that is not a number comes first.
+  /// Largest embedded error of any link over its tolerance, and whose it is, where all accelerations are numbers.
   /// Rotation counts as the speed of a point half a pitch away.
   LocalError error;
   /// What contacts took from the links over the paths that they went, less the trapezoid of the powers at both ends

@@ -204,14 +204,15 @@ StepStatus Stepper::step(double until) {
     const bool last = left <= h_ * (1.0 + 1e-9);
     const double h = last ? left : (left < 2.0 * h_ ? 0.5 * left : h_);
     const double turn = advance(system_, h, previous_h_, now, accelerations_[f_now_], accelerations_[f_before_], next);
-    if (!(turn < 0.5)) return StepStatus::turned_too_far;  // rad in one step; also a NaN
+    if (turn >= 0.5) return StepStatus::turned_too_far;  // rad in one step
     next_work.bounds_step = since_bound_ + 1 >= k_steps_a_bound;
     evaluate(system_, knobs, now.history, h, next, next_work, accelerations_[f_next_]);
     ++evaluations_;
 
     const double ratio = judge(h);
-    if (ratio > 1.0 && h <= options.min_step) return StepStatus::underflow;
-    if (!(ratio <= 1.0) && h > options.min_step) {  // also what is no number: a smaller step may find one
+    if (!(ratio <= 1.0)) {  // also what is no number: a smaller step may find one
+      const bool least = options.fixed_step > 0.0 || h <= options.min_step;
+      if (least) return std::isnan(ratio) ? StepStatus::not_finite : StepStatus::underflow;
       const double shrink = ratio > 1.0 ? std::clamp(0.9 * std::cbrt(1.0 / ratio), 0.2, 0.9) : 0.2;
       h_ = std::max(options.min_step, h * shrink);
       limit_ = StepLimit::error;
@@ -219,7 +220,6 @@ StepStatus Stepper::step(double until) {
       ++rejected_;
       continue;
     }
-    if (!finite(accelerations_[f_next_].chassis, next_work.sum_of_accelerations)) return StepStatus::not_finite;
     if (next_work.bottomed_unit >= 0) {
       worst_ = {-1, next_work.bottomed_unit};
       return StepStatus::bottomed;
@@ -254,13 +254,15 @@ double Stepper::judge(double h) {
   const Acceleration &next = accelerations_[f_next_], &now = accelerations_[f_now_],
                      &before = accelerations_[f_before_];
   Workspace& next_work = works_[1 - now_];
+  worst_ = {};
+  if (!finite(next.chassis, next_work.sum_of_accelerations)) return std::numeric_limits<double>::quiet_NaN();
   const LinkVerdict links = judge_links(system_, weights, step_weights(options.beta, h, previous_h_),
                                         {works_[now_], next_work, before, now, next});
   next_work.energy.contact_step_loss = links.contact_step_loss;
   if (options.fixed_step > 0.0) return 0.0;
   const TreeError tree = tree_error(system_, reach_, weights, next.chassis, now.chassis, before.chassis);
   worst_ = tree.ratio > links.error.ratio ? Part{-1, tree.body} : Part{links.error.link, -1};
-  return tree.ratio > links.error.ratio ? tree.ratio : links.error.ratio;  // a link that is not a number stays one
+  return std::max(tree.ratio, links.error.ratio);
 }
 
 void Stepper::choose_next_step(double error_ratio) {

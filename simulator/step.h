@@ -81,7 +81,9 @@ class Stepper {
     return part.link >= -1 && part.link < system_.link_array_length && part.body >= -1 &&
            part.body < static_cast<int>(system_.tree.bodies.size());
   }
-  /// Largest local error of the trial over its tolerance; fills worst_.
+  /// Largest local error of the trial over its tolerance, and worst_, whose it is; 0 and nobody's at a fixed step, a
+  /// NaN where an acceleration is no number. In the same pass over the accelerations the trial's energy book gets what
+  /// contacts took over the step (contact_step_loss).
   [[nodiscard]] double judge(double h);
   void choose_next_step(double error_ratio);
   /// Keeps the bound that an accepted evaluation found, if it looked for one.
