@@ -41,10 +41,11 @@ inline constexpr double k_chunk_time = 0.5;  ///< s simulated; what a killed run
 class RunWriter {
  public:
   /// names: string datasets written once ("/joints/names" -> ...). kept_rows, by table: so many rows of the file that
-  /// stands there already begin the new one. It replaces that file once it holds them and its datasets.
+  /// stands there already begin the new one.
   RunWriter(const std::filesystem::path& file, const std::vector<ChannelTable>& tables,
             const std::map<std::string, std::vector<std::string>>& names,
             const std::vector<std::size_t>& kept_rows = {});
+  /// Closes the file; what was never published goes, and the earlier file stays.
   ~RunWriter();
   RunWriter(const RunWriter&) = delete;
   RunWriter& operator=(const RunWriter&) = delete;
@@ -53,9 +54,12 @@ class RunWriter {
   [[nodiscard]] std::vector<std::size_t> rows() const;
   /// Full chunks of the table so far.
   [[nodiscard]] std::size_t chunks(std::size_t table) const;
+  /// Puts the file, with the rows so far, in place of the one that bears its name. Returns once it stands on the disk.
+  void publish();
   void flush();
   /// Once all rows so far stand on the disk, calls `then` (on the writer's thread).
   void sync(std::function<void()> then);
+  /// Writes the rest, and publishes what was not.
   void close();
 
  private:

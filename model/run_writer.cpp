@@ -45,7 +45,7 @@ struct RunWriter::Impl {
   RunFile file;
   std::vector<Table> tables;
   std::mutex mutex;
-  bool closed = false;
+  bool published = false, closed = false;
   /// Jobs: a chunk of samples comes with three others, so the writer may be a chunk behind.
   static constexpr std::size_t k_most_waiting = 4;
   Worker worker{k_most_waiting};
@@ -123,14 +123,11 @@ RunWriter::RunWriter(const std::filesystem::path& file, const std::vector<Channe
   if (!kept_rows.empty()) earlier.emplace(file);
   impl_ = std::make_unique<Impl>(file, tables, names);
   for (std::size_t i = 0; i < kept_rows.size(); ++i) impl_->copy_rows(tables.at(i), i, *earlier, kept_rows[i]);
-  impl_->write_begun_chunks();
-  impl_->worker.post([this] { impl_->file.publish(); });
-  impl_->worker.finish();
 }
 
 RunWriter::~RunWriter() {
   try {
-    close();
+    if (impl_->published) close();
   } catch (const FileError&) {  // a destructor has nobody to tell; call close() to learn of a full disk
   }
 }
@@ -145,6 +142,13 @@ std::vector<std::size_t> RunWriter::rows() const {
 
 std::size_t RunWriter::chunks(std::size_t table) const {
   return impl_->tables[table].rows / impl_->tables[table].chunk_rows;
+}
+
+void RunWriter::publish() {
+  impl_->published = true;
+  impl_->write_begun_chunks();
+  impl_->worker.post([this] { impl_->file.publish(); });
+  impl_->worker.finish();
 }
 
 void RunWriter::flush() {
@@ -162,7 +166,11 @@ void RunWriter::sync(std::function<void()> then) {
 void RunWriter::close() {
   if (!impl_ || impl_->closed) return;
   impl_->closed = true;
-  impl_->write_begun_chunks();
+  if (impl_->published) {
+    impl_->write_begun_chunks();
+  } else {
+    publish();
+  }
   impl_->worker.post([this] { impl_->file.close(); });
   impl_->worker.finish();
 }

@@ -38,10 +38,12 @@ void RunLoop::take(CheckpointReader& checkpoint) {
   Acceleration archived = stepper_.acceleration(), evaluated = stepper_.reevaluate();
   stored(archived);
   found(evaluated);
-  if (stored.payload() == found.payload()) return;
-  throw InputError(InputFinding{(folder_ / "checkpoint").string(), "", "accelerations that this program finds again",
-                                "others: it was written by another build or machine",
-                                "start the run without --resume"});
+  if (stored.payload() != found.payload()) {
+    throw InputError(InputFinding{(folder_ / "checkpoint").string(), "", "accelerations that this program finds again",
+                                  "others: it was written by another build or machine",
+                                  "start the run without --resume"});
+  }
+  recorder_.publish();
 }
 
 /// Times that a step must end on: corners of the drive tables, the end. Of corners closer than the smallest step one is

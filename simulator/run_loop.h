@@ -34,7 +34,8 @@ class RunLoop {
 
   /// Writes the state of time 0.
   void begin();
-  /// Takes over the memory of the run so far. Throws InputError when this program finds other accelerations.
+  /// Takes over the memory of the run so far. Throws InputError when this program finds other accelerations; the run so
+  /// far stays as it was then.
   void take(CheckpointReader& checkpoint);
   /// Steps to the end; returns the status and fills the summary's message.
   [[nodiscard]] RunStatus go(const Progress& progress, RunSummary& summary);

@@ -36,6 +36,7 @@ RunRecorder::RunRecorder(const System& system, const std::filesystem::path& file
 }
 
 void RunRecorder::begin(const Snapshot& now) {
+  publish();
   sample(now, now);
   writer_.flush();
 }

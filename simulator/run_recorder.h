@@ -15,7 +15,7 @@ class RunRecorder {
   /// kept_rows: rows of run.h5 to keep, by table; empty for a run from its beginning.
   RunRecorder(const System& system, const std::filesystem::path& file, const std::vector<std::size_t>& kept_rows);
 
-  /// The state of time 0.
+  /// Publishes the file, with the state of time 0.
   void begin(const Snapshot& now);
   /// One accepted step: the samples due in it, its own row, and what the results need of every step.
   void record(const Snapshot& previous, const Snapshot& now, const Stepper& stepper);
@@ -23,6 +23,8 @@ class RunRecorder {
   /// The last step filled a chunk of samples: flushed now, none of it is written twice.
   [[nodiscard]] bool chunk_filled() const { return chunk_filled_; }
   void flush() { writer_.flush(); }
+  /// Puts the file, with the rows that it keeps, in place of the one that holds them.
+  void publish() { writer_.publish(); }
   /// Rows so far, by table.
   [[nodiscard]] std::vector<std::size_t> rows() const { return writer_.rows(); }
   /// Calls `then`, on another thread, once these rows are safe on the disk.

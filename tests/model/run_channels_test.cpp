@@ -73,6 +73,7 @@ TEST(RunChannels, OfAKilledRunAreReadableUpToTheLastFlush) {
   const pid_t child = ::fork();
   if (child == 0) {
     RunWriter writer(file, tables(), {});
+    writer.publish();
     append_rows(writer, 0, 1000);
     std::promise<void> safe;
     writer.sync([&] { safe.set_value(); });
@@ -88,6 +89,28 @@ TEST(RunChannels, OfAKilledRunAreReadableUpToTheLastFlush) {
   EXPECT_EQ(reader.read_column("/tracks/left/link_position", {0, 0}).at(999), 1000.0);
   EXPECT_EQ(reader.read_column("/tracks/left/contact_force/ground", {75, 2}).at(999), 999.0 + 456.0);
   EXPECT_GE(reader.read("/steps/time").rows(), 1000u);
+}
+
+TEST(RunChannels, OfAnEarlierRunStayUntilThoseThatKeepSomeArePublished) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "run.h5";
+  const auto rows = [&] { return RunReader(file).read("/time").rows(); };
+  {
+    RunWriter earlier(file, tables(), {});
+    append_rows(earlier, 0, 2000);
+    earlier.close();
+  }
+  { const RunWriter given_up(file, tables(), {}, {1100, 1100}); }
+  EXPECT_EQ(rows(), 2000u);
+  RunWriter later(file, tables(), {}, {1100, 1100});
+  EXPECT_EQ(rows(), 2000u);
+  later.publish();
+  EXPECT_EQ(rows(), 1100u);
+  append_rows(later, 1100, 100);
+  later.close();
+  EXPECT_EQ(rows(), 1200u);
+  EXPECT_EQ(RunReader(file).read_column("/tracks/left/link_position", {0, 0}).at(1199), 1200.0);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);  // and nothing beside it
 }
 
 std::string bytes_of(const std::filesystem::path& file) {

@@ -164,6 +164,27 @@ TEST(Checkpoint, RefusesTablesThatRunH5DoesNotHave) {
               testing::ThrowsMessage<InputError>(testing::HasSubstr("numbers, as the vehicle has them, found 4")));
 }
 
+TEST(Checkpoint, ThatIsRefusedLeavesTheRunAsItWas) {
+  const TemporaryFolder folder;
+  const Scenario scenario = short_run(folder, "run_a.json", {{"duration_s", "1.2"}});
+  const Progress until_halfway = [](const ProgressReport& report) { return report.fraction < 0.6; };
+  ASSERT_EQ(simulate(scenario, folder / "run", until_halfway).status, RunStatus::stopped);
+  const std::string before = bytes_of(folder / "run/run.h5");
+  const System system = compile(scenario);
+  RunStart start;
+  start.assembled = assemble(system, nullptr);
+  std::filesystem::create_directory(folder / "other");
+  RunLoop other(system, start, folder / "other");
+  other.begin();
+  start.kept_rows.assign(ChannelRows(system).tables().size(), 0);
+  CheckpointWriter parts;
+  parts(start);
+  parts(other);
+  write_checkpoint(folder / "run", identity_of(scenario), parts);
+  EXPECT_THROW(static_cast<void>(resume(scenario, folder / "run")), InputError);
+  EXPECT_TRUE(bytes_of(folder / "run/run.h5") == before);
+}
+
 /// The same value for both tracks of the vehicle.
 void set_both(std::map<std::string, std::string>& set, const std::string& path, const std::string& value) {
   for (const char* side : {"left", "right"}) set["vehicle./" + std::string(side) + path] = value;
