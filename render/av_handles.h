@@ -6,6 +6,7 @@ extern "C" {
 }
 
 #include <array>
+#include <cerrno>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -31,13 +32,17 @@ struct AvScalerRelease {
 };
 using AvScalerHandle = std::unique_ptr<SwsContext, AvScalerRelease>;
 
-/// What FFmpeg answered unless it is an error; throws Error("`what`: reason") then.
+/// What FFmpeg answered unless it is an error; throws Error("`what`: reason") then, or FileError where the system's
+/// memory, descriptors or disk are to blame, and no file's content.
 template <typename Error = FileError>
 int av_checked(int code, const std::string& what) {
   if (code >= 0) return code;
   std::array<char, AV_ERROR_MAX_STRING_SIZE> text{};
   av_strerror(code, text.data(), text.size());
-  throw Error(what + ": " + text.data());
+  const std::string reason = what + ": " + text.data();
+  constexpr int k_last_errno = 4095;  // FFmpeg's own codes are further from 0
+  if (code >= -k_last_errno && code != AVERROR(EINVAL)) throw FileError(reason);
+  throw Error(reason);
 }
 
 template <typename T>

@@ -23,12 +23,15 @@ fs::path made_folder(fs::path folder) {
   return folder;
 }
 
+/// Not the folder's own lock: frames may stand in that of a run which is still being written.
+std::string lock_name(const PartNames& names) { return std::string(names.mark) + ".lock"; }
+
 }  // namespace
 
 PartStore::PartStore(fs::path folder, PartNames names, std::string digest, int count)
     : folder_(made_folder(std::move(folder))),
       names_(names),
-      lock_(folder_, names.whole),
+      lock_(folder_, names.whole, lock_name(names)),
       digest_(std::move(digest)),
       count_(count) {
   std::ifstream known(folder_ / names_.mark);
@@ -57,21 +60,23 @@ std::vector<fs::path> PartStore::files() const {
 }
 
 /// Of the folder, one by one: parts that were taken away before may have left a hole.
-std::vector<fs::path> PartStore::parts_from(int first) const {
+std::vector<fs::path> PartStore::parts_from(int first, std::error_code& error) const {
   std::vector<fs::path> parts;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
-    const std::string name = entry.path().filename().string(), stem = names_.stem;
+  for (fs::directory_iterator entry(folder_, error), end; !error && entry != end; entry.increment(error)) {
+    const std::string name = entry->path().filename().string(), stem = names_.stem;
     if (!name.starts_with(stem)) continue;
     int part = 0;
     const bool numbered = std::from_chars(name.data() + stem.size(), name.data() + name.size(), part).ec == std::errc();
-    if (numbered && part >= first && file_of(part).filename() == name) parts.push_back(entry.path());
+    if (numbered && part >= first && file_of(part).filename() == name) parts.push_back(entry->path());
   }
   return parts;
 }
 
 void PartStore::cut() const {
-  for (const fs::path& part : parts_from(count_)) {
-    std::error_code error;
+  std::error_code error;
+  const std::vector<fs::path> parts = parts_from(count_, error);
+  if (error) throw FileError("cannot read " + folder_.string() + ": " + error.message());
+  for (const fs::path& part : parts) {
     fs::remove(part, error);
     if (error) throw FileError("cannot remove " + part.string() + ": " + error.message());
   }
@@ -79,8 +84,9 @@ void PartStore::cut() const {
 
 void PartStore::remove() {
   std::error_code ignored;
-  for (const fs::path& part : parts_from(0)) fs::remove(part, ignored);
+  for (const fs::path& part : parts_from(0, ignored)) fs::remove(part, ignored);
   fs::remove(folder_ / names_.mark, ignored);
+  fs::remove(folder_ / lock_name(names_), ignored);
   fs::remove(folder_, ignored);
   done_ = 0;
 }

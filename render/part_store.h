@@ -1,6 +1,7 @@
 #pragma once
 #include <filesystem>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "model/folder_lock.h"
@@ -18,8 +19,7 @@ struct PartNames {
 
 /// Numbered files of a folder, made one after the other, that are one whole: pictures of a film, or stretches of it. A
 /// file beside them, the mark, says of which digest they are and how many are whole, so that a process that was stopped
-/// or killed is gone on with; with another digest they are begun anew. Only one
-/// process at a time has them.
+/// or killed is gone on with; with another digest they are begun anew. Only one process at a time has them.
 class PartStore {
  public:
   /// Makes the folder, not its parents. `count`: parts of the whole. Throws FileError, also when another process has
@@ -40,7 +40,7 @@ class PartStore {
  private:
   [[nodiscard]] std::filesystem::path file_of(int part) const;
   void write_mark() const;
-  [[nodiscard]] std::vector<std::filesystem::path> parts_from(int first) const;
+  [[nodiscard]] std::vector<std::filesystem::path> parts_from(int first, std::error_code& error) const;
 
   std::filesystem::path folder_;
   PartNames names_;

@@ -190,10 +190,17 @@ TEST_F(Film, IsLeftToTheProcessThatMakesIt) {
   const std::string mark = read_whole(target / ".frames");
   options_.camera = "top";
   {
-    const FolderLock other(target, "set of frames");
+    const FolderLock other(target, "set of frames", ".frames.lock");
     EXPECT_THROW((void)render_frames({&opened_}, target, options_), FileError);
   }
   EXPECT_EQ(read_whole(target / ".frames"), mark);
+}
+
+TEST_F(Film, FramesAreDrawnIntoTheFolderOfARunThatIsBeingWritten) {
+  const fs::path target = folder_.path() / "frames";
+  fs::create_directory(target);
+  const FolderLock simulation(target, "run");
+  EXPECT_EQ(render_frames({&opened_}, target, options_, stop_after(2)), 2);
 }
 
 TEST_F(Film, IsBegunAnewWhereAStretchCannotBeRead) {
@@ -216,6 +223,20 @@ TEST_F(Film, KeepsItsStretchesWhereItCannotBeWritten) {
   fs::create_directories(folder_.path() / ".film.partial.mp4/inside");  // neither written over nor removed
   EXPECT_THROW((void)render_film(run(), file, options_), FileError);
   EXPECT_TRUE(fs::exists(stretches / "stretch_0001.mp4"));
+}
+
+TEST_F(Film, KeepsItsStretchesWhereTheSystemRefusesToReadOne) {
+  options_.fps = 140.0;
+  const fs::path file = folder_.path() / "film.mp4", stretches = folder_.path() / ".film.stretches",
+                 stretch = stretches / "stretch_0000.mp4", aside = folder_.path() / "aside.mp4";
+  ASSERT_EQ(render_film(run(), file, options_, stop_after(63)), 0);
+  fs::rename(stretch, aside);
+  fs::create_directory(stretch);  // what the system refuses to read
+  EXPECT_THROW((void)render_film(run(), file, options_), FileError);
+  EXPECT_TRUE(fs::exists(stretches / "stretch_0001.mp4"));
+  fs::remove(stretch);
+  fs::rename(aside, stretch);
+  EXPECT_GT(render_film(run(), file, options_), 60);
 }
 
 TEST_F(Film, AQuarterOfTheSpeedTakesFourTimesTheFrames) {
