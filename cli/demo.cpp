@@ -1,3 +1,6 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <memory>
 
 #include "cli/command.h"
@@ -97,7 +100,9 @@ Result run(const Options& options, Console& console) {
   }
   for (const char* name : {"run_a", "run_b"}) {
     const fs::path summary = folder / name / "run.json";
-    if (fs::exists(summary)) result.lines.push_back(headline(read_run_summary(summary)));
+    if (!fs::exists(summary)) continue;
+    const RunSummary run = read_run_summary(summary);
+    result.lines.insert(result.lines.end(), {headline(run), speed(run)});
   }
   if (fs::exists(folder / "index.html")) {
     result.lines.push_back((folder / "index.html").string());
@@ -119,8 +124,9 @@ Command add_demo(CLI::App& root) {
       ->type_name("DIR");
   app->add_option(
          "--study", options->study,
-         "Instead of the pipeline: run A with every stiffness of the bushings, or with single and double pins, "
-         "compared in DIR/NAME/report.html")
+         fmt::format("Instead of the pipeline: run A with every stiffness of the bushings, or with single and double "
+                     "pins, compared in DIR/NAME/report.html: {}",
+                     fmt::join(study_names(), ", ")))
       ->check(one_of(study_names()))
       ->type_name("NAME");
   return {app, [options](Console& console) {

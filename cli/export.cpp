@@ -6,6 +6,7 @@
 
 #include "cli/command.h"
 #include "cli/stages.h"
+#include "cli/usage.h"
 #include "model/run_columns.h"
 
 namespace grouser::cli {
@@ -92,7 +93,7 @@ Command add_export(CLI::App& root) {
       root.add_subcommand("export", "The channels of a run for other programs: one CSV file a dataset of run.h5");
   const auto options = std::make_shared<Options>();
   app->add_option("RUN_DIR", options->run_folder, "Folder that `grouser simulate` wrote")->required();
-  app->add_option("--format", options->format, "File format")->check(CLI::IsMember({"csv"}))->capture_default_str();
+  app->add_option("--format", options->format, "File format")->check(one_of({"csv"}))->capture_default_str();
   app->add_option("-o,--output", options->folder, "Folder of the files [RUN_DIR/csv]")->type_name("DIR");
   app->footer(
       "Columns are name_unit, the first one is the time; tracks_left_link_position.csv holds "

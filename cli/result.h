@@ -31,7 +31,8 @@ struct Result {
 /// `errors`. That it was interrupted is left for main() to say, once for all processes.
 [[nodiscard]] Result guard(Console& console, const std::function<Result()>& work);
 
-/// Writes a result to stdout. False when stdout takes no more.
+/// Writes a result to stdout: its lines with what a terminal would obey, or is no UTF-8, as \xNN, for a pipe may end at
+/// a terminal. False when stdout takes no more.
 [[nodiscard]] bool print(const Result& result, const std::string& command, bool as_json);
 
 /// Of a run or a fit whose progress callback asked for a stop: not an error, yet not done.

@@ -31,11 +31,11 @@ std::string kept(const fs::path& folder, const RunSummary& summary) {
                      summary.simulated_time, folder.string());
 }
 
-/// What stands in the folder from another run before this one, and is not replaced by it.
-void warn_of_leftovers(const fs::path& folder, Console& console) {
+/// What stands in the folder from another run before this one, which did not replace it.
+void tell_of_leftovers(const fs::path& folder, Console& console) {
   for (const char* name : {"film.mp4", "csv", "report.html"}) {
     if (!fs::exists(folder / name)) continue;
-    console.note(fmt::format("{} is of the run that was here before; it stays as it is", (folder / name).string()));
+    console.note(fmt::format("{} is of the run that was here before; it stayed as it was", (folder / name).string()));
   }
 }
 
@@ -43,19 +43,20 @@ Result run(const Options& options, Console& console) {
   const Scenario scenario = read_request(options.request);
   const fs::path folder = options.request.folder.empty() ? fs::path(options.request.scenario_file).stem()
                                                          : fs::path(options.request.folder);
-  if (!options.resume) warn_of_leftovers(folder, console);
   const Progress progress = console.progress("simulate");
   const RunSummary summary = options.resume ? resume(scenario, folder, progress) : simulate(scenario, folder, progress);
+
+  if (!options.resume) tell_of_leftovers(folder, console);
 
   Result result;
   result.code = exit_code(summary.status);
   if (summary.status == RunStatus::failed) console.error(folder.string() + ": " + summary.message);
   if (summary.status == RunStatus::stopped) result.left = kept(folder, summary);
   result.lines.push_back(headline(summary));
+  result.lines.push_back(speed(summary));
   result.lines.push_back(fmt::format("{} bodies, {} revolute joints, {} bushings, {} degrees of freedom",
                                      summary.counts.bodies, summary.counts.revolute_joints, summary.counts.bushings,
                                      summary.counts.degrees_of_freedom));
-  if (summary.status == RunStatus::completed) result.lines.push_back(summary.message);
   for (const RunCheck& check : summary.checks) {
     result.lines.push_back(fmt::format("{} {}: {:.5g}{} ({})", check.pass ? "pass" : "FAIL", check.name, check.value,
                                        check.unit == "1" ? "" : " " + check.unit, check.limit));
@@ -101,11 +102,15 @@ ExitCode exit_code(RunStatus status) {
 }
 
 std::string headline(const RunSummary& summary) {
+  const bool completed = summary.status == RunStatus::completed;
+  return fmt::format("{} {}: {}", summary.name, name_of(summary.status),
+                     completed ? summary.message : fmt::format("{:.3f} s simulated", summary.simulated_time));
+}
+
+std::string speed(const RunSummary& summary) {
   const double real_time_factor = summary.simulated_time > 0.0 ? summary.wall_time / summary.simulated_time : 0.0;
-  return fmt::format(
-      "{} {}: {:.4g} s simulated in {:.3g} s ({:.3g} wall seconds a second), {} steps; assembled in {:.3g} s",
-      summary.name, name_of(summary.status), summary.simulated_time, summary.wall_time, real_time_factor,
-      summary.steps.accepted, summary.assembly_wall_time);
+  return fmt::format("took {:.3g} s, {:.3g} wall seconds a simulated second, {} steps; assembled in {:.3g} s",
+                     summary.wall_time, real_time_factor, summary.steps.accepted, summary.assembly_wall_time);
 }
 
 Command add_simulate(CLI::App& root) {

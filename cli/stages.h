@@ -45,7 +45,9 @@ struct SimulateRequest {
 [[nodiscard]] Result run_study(const std::string& name, const std::filesystem::path& data,
                                const std::filesystem::path& folder, Console& console);
 
-/// One line on a run: status, time and speed of the computation.
+/// One line on a run: what came out, with what a user must know of it; why it did not complete is the error's to say.
 [[nodiscard]] std::string headline(const RunSummary& summary);
+/// And one on what the machine took for it.
+[[nodiscard]] std::string speed(const RunSummary& summary);
 
 }  // namespace grouser::cli
