@@ -1,8 +1,11 @@
 #include "model/bushing_draws.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <system_error>
 
+#include "model/descriptor.h"
 #include "model/errors.h"
 #include "model/replace_file.h"
 
@@ -26,6 +29,7 @@ void require_only_draws(const std::filesystem::path& folder) {
   if (!std::filesystem::is_directory(folder)) {
     throw FileError("cannot write into " + folder.string() + ": expected a folder of draws, found a file");
   }
+  if (::access(folder.c_str(), W_OK) != 0) fail_file("write into", folder);
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (is_draw(entry)) continue;
     throw FileError("cannot write into " + folder.string() +

@@ -8,7 +8,8 @@
 /// an ordinary bushing file, so that a run with each of them shows what the uncertainty of the fit does to the vehicle.
 namespace grouser {
 
-/// Throws FileError where `folder` holds anything but draws: it is replaced as a whole, and a user's files with it.
+/// Throws FileError where `folder` holds anything but draws, for it is replaced as a whole, and a user's files with it;
+/// also where it may not be written into.
 void require_only_draws(const std::filesystem::path& folder);
 
 /// A folder of draws in the making. Only publish() makes it seen, in place of the draws of an earlier fit: a reader

@@ -153,10 +153,10 @@ void add_claim(Survey& survey, hsize_t values, hsize_t stored, std::string& faul
   const hsize_t most_stored = k_most_in_holes + survey.on_disk;
   if (__builtin_add_overflow(survey.values, values, &survey.values) || survey.values > most_values) {
     fault = "claims " + std::to_string(values) + " values: expected at most " + std::to_string(most_values) +
-            " in a file of " + disk + ", found more";
+            " in all in a file of " + disk + ", found more";
   } else if (__builtin_add_overflow(survey.stored, stored, &survey.stored) || survey.stored > most_stored) {
-    fault = "claims " + std::to_string(stored) + " stored bytes: expected no more than the " + disk +
-            ", found holes or parts that are shared";
+    fault = "claims " + std::to_string(stored) + " stored bytes: expected at most " + std::to_string(most_stored) +
+            " in all in a file of " + disk + ", found holes or parts that are shared";
   }
 }
 

@@ -23,10 +23,8 @@ void write_all(int descriptor, std::string_view bytes, const std::filesystem::pa
   }
 }
 
-constexpr std::uintmax_t k_most_bytes = 1u << 30;  // of a file that is held as a whole; films are the largest
-
 void require_short(std::uintmax_t bytes, const std::filesystem::path& file) {
-  if (bytes > k_most_bytes) throw FileError("cannot read " + file.string() + ": is larger than 1 GB");
+  if (bytes > k_most_whole_bytes) throw FileError("cannot read " + file.string() + ": is larger than 1 GB");
 }
 
 /// Appends the next bytes; false at the end. By the system's own call: streams pass an error of the disk for the end.

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -30,7 +31,9 @@ struct Provenance {
 
 /// Writes bytes to a temporary file beside `file`, syncs and renames: the old file or the new one, never half of it.
 void write_whole(const std::filesystem::path& file, std::string_view bytes);
-/// Whole content of a file; throws FileError.
+/// The largest file that is held as a whole; films are the largest.
+inline constexpr std::uintmax_t k_most_whole_bytes = 1u << 30;
+/// Whole content of a file; throws FileError, also where it is larger than that.
 [[nodiscard]] std::string read_whole(const std::filesystem::path& file);
 
 }  // namespace grouser

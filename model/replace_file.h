@@ -11,7 +11,8 @@ void sync_file(const std::filesystem::path& file);
 /// old one or the new one, whole. Throws FileError, and leaves both as they were.
 void replace_file(const std::filesystem::path& made, const std::filesystem::path& file);
 
-/// Ditto for folders; files below `made` must be on the disk already. What bore the name is removed. On a file system
+/// Ditto for folders; files below `made` must be on the disk already. What bore the name is removed: where that cannot
+/// be done FileError or filesystem_error is thrown after the exchange, and the old folder is `made`. On a file system
 /// that cannot exchange two names a kill may leave the old folder as `made`.old, and no `folder`.
 void replace_folder(const std::filesystem::path& made, const std::filesystem::path& folder);
 

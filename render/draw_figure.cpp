@@ -326,7 +326,7 @@ Image draw(const Figure& figure, Theme theme, double scale) {
   if (width < 16 || height < 16 || width > 8192 || height > 8192)
     throw InputError({"", "figure " + figure.name, "16 to 8192 pixels along each side",
                       std::to_string(width) + " x " + std::to_string(height), ""});
-  const GlContext context;
+  const GlContext context(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   GlCanvas canvas(context, width, height);
   draw_on(canvas, figure, theme, static_cast<float>(scale));
   return canvas.read();

@@ -20,7 +20,7 @@ class GlContext {
  public:
   /// Makes itself current. `pixels`: of the largest picture that is to be drawn. Throws GlError, and std::bad_alloc
   /// where there is too little memory for it.
-  explicit GlContext(std::size_t pixels = 0);
+  explicit GlContext(std::size_t pixels);
   ~GlContext();
   GlContext(const GlContext&) = delete;
   GlContext& operator=(const GlContext&) = delete;

@@ -168,12 +168,11 @@ json section_facts(const RunFolder& run, const std::string& id) {
   return sections;
 }
 
-constexpr std::uintmax_t k_largest_film = 1u << 30;  // a page holds it whole, as text; read_whole() takes no larger
-
+/// A page holds its film whole, as text.
 bool has_huge_film(const RunFolder& run) {
   std::error_code none;
   const std::uintmax_t size = std::filesystem::file_size(run.path / "film.mp4", none);
-  return !none && size > k_largest_film;
+  return !none && size > k_most_whole_bytes;
 }
 
 /// A film of an earlier run of the folder does not bear this one's mark.

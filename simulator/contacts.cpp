@@ -13,6 +13,14 @@ void note_losses(Workspace& work, int first, const LinkLoads& lost_W) {
   add_to3(work.loss_torque_W, first, lost_W.torque);
 }
 
+void close_seam(const CompiledTrack& track, Field& field) {
+  const int first = track.offset, copy = track.offset + track.num_links;
+  for (int c = 0; c < field.components(); ++c) {
+    field[c][first] += field[c][copy];
+    field[c][copy] = 0.0;
+  }
+}
+
 std::uint64_t blocks_near(const CompiledTrack& track, const Workspace& work, const Lanes3& center, double radius) {
   const Field& box = work.box[static_cast<std::size_t>(index_of(track.side))];
   const int num_blocks = (track.num_links + k_lanes - 1) / k_lanes;

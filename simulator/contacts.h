@@ -47,6 +47,8 @@ struct LinkLoads {
 void push_links(Workspace& work, int first, const LinkLoads& load_W, Partner partner);
 /// Notes which part of them damps or rubs.
 void note_losses(Workspace& work, int first, const LinkLoads& lost_W);
+/// The link ahead of the last joint is the first one: what was put on its copy behind the last link is its own.
+void close_seam(const CompiledTrack& track, Field& field);
 inline void count_case(Workspace& work, ContactCase which, unsigned lanes) {
   work.case_count[static_cast<std::size_t>(which)] += std::popcount(lanes);
 }

@@ -44,7 +44,7 @@ class BristleRow {
   std::ptrdiff_t at_;
 };
 
-/// Which bristles touch now, and which were held at the last accepted state.
+/// Which bristles touch now, which the history is told, and which were held at the last accepted state.
 struct Grip {
   LaneMask touching, held;
   /// depth: 0 where there is none.

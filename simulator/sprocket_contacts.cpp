@@ -135,20 +135,12 @@ void push_pins(const Wheel& wheel, const Pins& pins, const PinForce& pushed, Wor
   if (wheel.slopes) work.rim[static_cast<std::size_t>(track.sprocket.body)].spin += pushed.friction.sum();
 }
 
-/// The link ahead of the last joint is the first one: what was put on its copy behind the last link is its own.
-void close_seam(const CompiledTrack& track, Workspace& work) {
-  const int first = track.offset, copy = track.offset + track.num_links;
-  const auto take = [&](Field& field) {
-    for (int c = 0; c < field.components(); ++c) {
-      field[c][first] += field[c][copy];
-      field[c][copy] = 0.0;
-    }
-  };
-  take(work.loss_force_W);
-  take(work.loss_torque_W);
-  take(work.force_W);
-  take(work.torque_W);
-  take(work.contact_force_W[static_cast<std::size_t>(Partner::sprocket)]);
+/// Of what the sprocket's contacts put on links.
+void close_seams(const CompiledTrack& track, Workspace& work) {
+  for (Field* field : {&work.loss_force_W, &work.loss_torque_W, &work.force_W, &work.torque_W,
+                       &work.contact_force_W[static_cast<std::size_t>(Partner::sprocket)]}) {
+    close_seam(track, *field);
+  }
 }
 
 /// A surface with `normal` (S, in its plane) that pins are `depth` deep in; 0 where they are not.
@@ -315,7 +307,7 @@ void sprocket_contacts(const System& system, const AssemblyKnobs& knobs, const S
       const Lanes aside = 0.5 * (inner.place.y + outer.place.y).abs();  // of the pins' middles
       if (bits_of(counted & (sprocket.side_clearance < aside)) != 0) meet_sides(wheel, pins(0.0), state, sums, work);
     });
-    close_seam(track, work);
+    close_seams(track, work);
     work.energy.contact += sums.energy.sum();
     work.energy.contact_power += sums.contact_power.sum();
     work.energy.friction_power += sums.friction_power.sum();

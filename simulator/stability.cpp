@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simulator/contacts.h"
 #include "simulator/integrator.h"
 
 namespace grouser {
@@ -108,15 +109,6 @@ class JointWalk {
   const Workspace& work_;
   JointTangents before_{};
 };
-
-/// The link ahead of the last joint is the first one: what was put on its copy behind the last link is its own.
-void close_seam(const CompiledTrack& track, Field& field) {
-  const int first = track.offset, copy = track.offset + track.num_links;
-  for (int c = 0; c < field.components(); ++c) {
-    field[c][first] += field[c][copy];
-    field[c][copy] = 0.0;
-  }
-}
 
 /// The pins of what is integrated of a track: of its links, or (`connectors`) of bodies between them.
 std::array<Pin, 2> pins_of(const CompiledTrack& track, bool connectors) {

@@ -40,11 +40,11 @@ inline void add_block(Field& blocks, int first, const PlaneBlock& block, double 
 struct SideMobility {
   Lanes across, turning;
 };
-/// Adds k times those; `sense` of the turning: 1, or -1 where another push of the same kind turns the other way.
-inline void add_side(Field& blocks, int first, const SideMobility& m, const Lanes& k, double sense = 1.0) {
+/// Adds k times those.
+inline void add_side(Field& blocks, int first, const SideMobility& m, const Lanes& k) {
   add_to(blocks[0] + first, m.across * k);
   add_to(blocks[1] + first, m.turning * k);
-  add_to(blocks[2] + first, sense * (m.across * m.turning).sqrt() * k);
+  add_to(blocks[2] + first, (m.across * m.turning).sqrt() * k);
 }
 
 /// 1 + e of a contact on a link, 1 + 1 / e on the wheel of `body` that it meets. The e is the best one for friction of
@@ -53,8 +53,8 @@ inline void add_side(Field& blocks, int first, const SideMobility& m, const Lane
 [[nodiscard]] ContactShare contact_share(const Tree& tree, int body, double radius, double link_mobility,
                                          double num_links);
 
-/// Puts the joints' tangents into the blocks of their links, then finds the largest stable step of all links and
-/// wheels up to `longest` [s], and whose it is. `relaxed`: the rubber has the plain damper of assembly.
+/// Finds the largest stable step of all links, by the tangents of their contacts and joints, and of all wheels, up to
+/// `longest` [s], and whose it is. `relaxed`: the rubber has the plain damper of assembly.
 void bound_step(const System& system, bool relaxed, double longest, Workspace& work);
 
 /// The largest eigenvalue of eight symmetric 3 x 3 matrices, to round-off (0.2 % too large where the two largest are

@@ -92,7 +92,7 @@ struct Workspace {
   Field joint_force_W;        ///< bushing force on link i+1 at the pin [N], W (3 x joints), by bushing_forces
   Field joint_torque_next_W;  ///< its moment about link i+1's centre [N m], W (3 x joints), by bushing_forces, where
                               ///< keeps_joint_torques or connectors are bodies
-  Field joint_torque_own_W;   ///< its moment about link i's centre, to be subtracted [N m], W, by bushing_forces
+  Field joint_torque_own_W;   ///< its moment about link i's centre, to be subtracted [N m], W, by the same, ditto
   Field bushing_force;        ///< in frame i, on link i, +x = tension [N] (3 x joints), by bushing_forces
   Field bushing_torque;       ///< moments dual to the deflection's angles [N m] (3 x joints), by bushing_forces
   Field joint_stiffness;  ///< dynamic tangent of x, y, z, swing axes rx, rz, hinge ry (6 x joints), by bushing_forces
@@ -106,7 +106,7 @@ struct Workspace {
   Field torque_W;         ///< about its centre [N m], W (3 x links)
   Field loss_force_W;     ///< part of force_W that contacts lose energy by: damping, friction [N], W (3 x links)
   Field loss_torque_W;    ///< ditto of torque_W [N m]
-  Field plane_stiffness;  ///< blocks of x, z and pitch, by contacts and bound_step (rows of PlaneRow x links)
+  Field plane_stiffness;  ///< blocks of x, z and pitch, by contacts; no joints' (rows of PlaneRow x links)
   Field plane_damping;    ///< ditto
   Field side_stiffness;   ///< over inertia: aside, about x and z, both [1/s^2] (3 x links), by the same
   Field side_damping;     ///< ditto [1/s]

@@ -14,7 +14,7 @@ constexpr int k_width = 1280, k_height = 720;
 void frame(benchmark::State& loop, const char* camera) {
   const Vehicle vehicle = read_vehicle(GROUSER_SOURCE_DIR "/test_data/vehicles/reference.json");
   const VehicleModel model(vehicle);
-  const GlContext context;
+  const GlContext context(k_width * k_height);
   SceneRenderer renderer(context, k_width, k_height);
   double travel = 0.0;
   constexpr float k_aspect = static_cast<float>(k_width) / k_height;

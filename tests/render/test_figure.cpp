@@ -14,6 +14,7 @@
 namespace grouser {
 namespace {
 
+constexpr std::size_t k_pixels = 400 * 400;  ///< at least those of a canvas here
 constexpr Rgb k_red{1.0f, 0.0f, 0.0f};
 
 Figure one_panel(std::vector<double> x, std::vector<double> y) {
@@ -210,7 +211,7 @@ TEST(Decimation, ColoursTheSamePixelsAsAllPoints) {
   const PlotFrame frame{{0.0f, 0.0f, 400.0f, 200.0f}, {0.0, 2e4, false}, {-1.5, 1.5, false}};
   std::vector<Vector2f> all;
   for (std::size_t i = 0; i < x.size(); ++i) all.push_back(frame.pixel(x[i], y[i]));
-  const GlContext context;
+  const GlContext context(k_pixels);
   const auto drawn = [&](std::span<const Vector2f> points) {
     GlCanvas canvas(context, 400, 200);
     canvas.line(points, 1.0f, {{0.0f, 0.0f, 0.0f}});
@@ -236,7 +237,7 @@ TEST(Text, WidthAddsUpAndMarkupIsSmaller) {
 }
 
 TEST(Text, DrawsItsWidthInInk) {
-  const GlContext context;
+  const GlContext context(k_pixels);
   GlCanvas canvas(context, 200, 60);
   canvas.text({100.0f, 40.0f}, "HHHH", {20.0f, {{0.0f, 0.0f, 0.0f}}, TextAlign::center, false, false});
   const Image image = canvas.read();
@@ -254,7 +255,7 @@ TEST(Text, DrawsItsWidthInInk) {
 }
 
 TEST(Canvas, CrossingsOfATranslucentLineAreNotDarker) {
-  const GlContext context;
+  const GlContext context(k_pixels);
   GlCanvas canvas(context, 64, 64);
   const std::vector<Vector2f> cross{{10, 32}, {54, 32}, {54, 10}, {32, 10}, {32, 54}};
   canvas.line(cross, 6.0f, {{0.0f, 0.0f, 0.0f}, 0.5f});

@@ -10,7 +10,8 @@
 namespace grouser {
 namespace {
 
-constexpr int k_size = 400;     ///< pixels
+constexpr int k_size = 400;  ///< pixels
+constexpr std::size_t k_pixels = k_size * k_size;
 constexpr float k_view = 4.0f;  ///< m across the picture
 const Material k_red{{1.0f, 0.0f, 0.0f}, 0.0f}, k_blue{{0.0f, 0.0f, 1.0f}, 0.0f};
 
@@ -29,7 +30,7 @@ Scene view_of(std::vector<Mesh> meshes) {
 }
 
 Image draw_scene(const Scene& scene) {
-  const GlContext context;
+  const GlContext context(k_pixels);
   SceneRenderer renderer(context, k_size, k_size);
   renderer.draw(scene);
   return renderer.read();
@@ -166,14 +167,14 @@ TEST(Scene, TheSameSceneGivesTheSameBytes) {
 }
 
 TEST(Scene, OddSizesAreRefused) {
-  const GlContext context;
+  const GlContext context(k_pixels);
   EXPECT_THROW(SceneRenderer(context, 321, 180), InputError);
   EXPECT_THROW(SceneRenderer(context, 320, 181), InputError);
   EXPECT_THROW(SceneRenderer(context, 0, 180), InputError);
 }
 
 TEST(GlContext, AGlErrorBecomesAnException) {
-  const GlContext context;
+  const GlContext context(k_pixels);
   context.check("nothing");
   context.gl().Enable(0xFFFFFFFFU);
   EXPECT_THROW(context.check("a wrong call"), GlError);
@@ -188,7 +189,7 @@ TEST(GlContext, TwoContextsDoNotDisturbEachOther) {
   Mesh box;
   box.add_box({0, 0, 0}, {0.5f, 0.5f, 0.75f}, 0.0f, k_red);
   const Scene scene = view_of({box});
-  const GlContext context;
+  const GlContext context(k_pixels);
   SceneRenderer renderer(context, k_size, k_size);
   renderer.draw(scene);
   { (void)draw_scene(scene); }  // made and gone in between
