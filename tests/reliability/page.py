@@ -14,7 +14,7 @@ import sys
 HERE = os.path.dirname(os.path.abspath(__file__))
 SOURCE = os.path.dirname(os.path.dirname(HERE))
 PAGE = os.path.join(SOURCE, "docs", "reliability.md")
-PARTS = ("inputs", "fuzz", "kills", "faults", "numerics", "hashes", "twice", "memory", "sanitizers", "pages", "binary")
+PARTS = ("inputs", "fuzz", "kills", "faults", "numerics", "hashes", "twice", "memory", "sanitizers", "valgrind", "pages", "binary")
 OPENING = """# Reliability
 
 Written by `tests/reliability/page.py` from what its parts counted; every row was measured by a program that ends with an error at the
@@ -24,7 +24,7 @@ first loss, crash or difference. The suite runs each part in a short form; this 
 tests/reliability/page.py --run build/release
 ```
 
-runs all of them and writes this page again (sanitizers need `.ci/run asan tsan` before). One alone: the command under its heading, with
+runs all of them and writes this page again. One alone: the command under its heading, with
 `GROUSER_SOURCE_DIR=$PWD GROUSER_COMMAND=$PWD/build/release/grouser` set.
 """
 

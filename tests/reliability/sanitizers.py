@@ -1,5 +1,8 @@
-"""The suite under AddressSanitizer with UndefinedBehaviorSanitizer, and under ThreadSanitizer: programs of tests built by the presets
-asan and tsan, run by ctest, and every report counted. `.ci/run asan tsan` builds them."""
+"""The suite under AddressSanitizer with UndefinedBehaviorSanitizer, and under ThreadSanitizer, and every report counted.
+
+Builds the presets `asan` and `tsan` and runs programs of theirs that need no minutes (sanitized.json). The long form runs all programs,
+and those of the preset `debug`, in which an invalid operation, a division by zero or an overflow ends a program of numbers.
+"""
 
 import json
 import os
@@ -9,28 +12,33 @@ import sys
 import tempfile
 import xml.etree.ElementTree
 
-sys.path.insert(0, os.path.join(os.environ["GROUSER_SOURCE_DIR"], "tests", "pipeline"))
-from command import SOURCE_DIR  # noqa: E402
-from part import main  # noqa: E402
+from part import main
 
+HERE = os.path.dirname(os.path.abspath(__file__))
+SOURCE = os.path.dirname(os.path.dirname(HERE))
 PRESETS = {"asan": "AddressSanitizer and UndefinedBehaviorSanitizer", "tsan": "ThreadSanitizer"}
-# Programs that need no minutes under a sanitizer, which .ci/run builds; the long form takes all that are built.
-with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "sanitized.json"), encoding="utf-8") as list_file:
-    FAST = json.load(list_file)
+LONG_PRESETS = {**PRESETS, "debug": "traps for floating-point exceptions (preset debug)"}
+# Tests that set limits of memory and time for whole commands, and those that run the commands of README and demo at full length: what
+# they call is called by others, too.
+LEFT_OUT = "^(reliability_.*|demo|readme)$"
 REPORT = re.compile(r"ERROR: (?:Address|Leak)Sanitizer|WARNING: ThreadSanitizer|runtime error: ")
 
 
-def tested(part, preset, name, thorough):
-    build = os.path.join(SOURCE_DIR, "build", preset)
-    if not os.path.exists(os.path.join(build, "CTestTestfile.cmake")):
-        part.require(not thorough, f"{build} is missing: .ci/run {preset} builds it")
-        part.note(f"{name}: not built here; .ci/run {preset} does.")
-        return
+def build(preset, programs):
+    targets = ["--target", *programs] if programs else []
+    for command in (["cmake", "--preset", preset], ["cmake", "--build", "--preset", preset, *targets]):
+        subprocess.run(command, cwd=SOURCE, check=True, stdout=sys.stderr)
+
+
+def tested(part, preset, name, programs):
+    """`programs`: none for all."""
+    build(preset, programs)
     with tempfile.TemporaryDirectory() as folder:
         found = os.path.join(folder, "found.xml")
-        chosen = [] if thorough else ["-L", f"^({'|'.join(FAST[preset])})$"]
-        subprocess.run(["ctest", "--test-dir", build, *chosen, "--output-junit", found, "--test-output-size-passed", "1000000",
-                        "--test-output-size-failed", "1000000"], check=False, stdout=subprocess.DEVNULL,
+        chosen = ["-L", f"^({'|'.join(programs)})$"] if programs else ["-E", LEFT_OUT]
+        subprocess.run(["ctest", "--test-dir", os.path.join(SOURCE, "build", preset), *chosen, "--output-on-failure", "-j",
+                        str(os.cpu_count()), "--output-junit", found, "--test-output-size-passed", "1000000",
+                        "--test-output-size-failed", "1000000"], check=False, stdout=sys.stderr,
                        env={**os.environ, "UBSAN_OPTIONS": "print_stacktrace=1"})
         suite = xml.etree.ElementTree.parse(found).getroot()
     cases = [case for case in suite.iter("testcase") if case.get("status") != "notrun"]
@@ -43,9 +51,11 @@ def tested(part, preset, name, thorough):
 
 
 def work(part, thorough):
-    for preset, name in PRESETS.items():
-        tested(part, preset, name, thorough)
+    with open(os.path.join(HERE, "sanitized.json"), encoding="utf-8") as file:
+        fast = json.load(file)
+    for preset, name in (LONG_PRESETS if thorough else PRESETS).items():
+        tested(part, preset, name, [] if thorough else fast[preset])
 
 
 if __name__ == "__main__":
-    main("sanitizers", "Sanitizers", work)
+    main("sanitizers", "The suite under sanitizers", work)
