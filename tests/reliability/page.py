@@ -14,7 +14,8 @@ import sys
 HERE = os.path.dirname(os.path.abspath(__file__))
 SOURCE = os.path.dirname(os.path.dirname(HERE))
 PAGE = os.path.join(SOURCE, "docs", "reliability.md")
-PARTS = ("inputs", "fuzz", "kills", "faults", "numerics", "hashes", "twice", "memory", "sanitizers", "valgrind", "pages", "binary")
+PARTS = ("inputs", "fuzz", "kills", "faults", "numerics", "hashes", "twice", "memory", "sanitizers asan", "sanitizers tsan",
+         "sanitizers debug", "valgrind", "pages", "binary")
 OPENING = """# Reliability
 
 Written by `tests/reliability/page.py` from what its parts counted; every row was measured by a program that ends with an error at the
@@ -38,8 +39,22 @@ def number(count):
     return f"{count:,}".replace(",", " ") if isinstance(count, int) else cell(count)
 
 
+def command(part):
+    """Of a part's long form: "sanitizers asan" is sanitizers.py with asan."""
+    program, *choice = part.split()
+    return [os.path.join(HERE, program + ".py"), *choice, "--thorough"]
+
+
+def figures(folder, part):
+    return os.path.join(folder, part.replace(" ", "_") + ".json")
+
+
+def shown(part):
+    return "`python3 " + " ".join(command(part)).replace(SOURCE + os.sep, "") + "`\n"
+
+
 def section(part):
-    lines = [f"\n## {part['title']}\n", f"`python3 tests/reliability/{part['part']}.py --thorough`\n"]
+    lines = [f"\n## {part['title']}\n", shown(part["part"])]
     if part["rows"]:
         lines += ["| what | count | result |", "| --- | ---: | --- |"]
         lines += [f"| {cell(row['what'])} | {number(row['count'])} | {cell(row['result'])} |" for row in part["rows"]]
@@ -61,11 +76,10 @@ def mended():
 def write(folder, page):
     sections = []
     for name in PARTS:
-        path = os.path.join(folder, name + ".json")
-        if not os.path.exists(path):
-            sections.append(f"\n## {name}: not measured for this page\n\n`python3 tests/reliability/{name}.py --thorough`\n")
+        if not os.path.exists(figures(folder, name)):
+            sections.append(f"\n## {name}: not measured for this page\n\n{shown(name)}")
             continue
-        with open(path, encoding="utf-8") as file:
+        with open(figures(folder, name), encoding="utf-8") as file:
             sections.append(section(json.load(file)))
     with open(page, "w", encoding="utf-8") as file:
         file.write(OPENING + "".join(sections) + mended())
@@ -80,8 +94,7 @@ def run_parts(build):
     failed = []
     for name in PARTS:
         print(f"== {name}", file=sys.stderr, flush=True)
-        command = [sys.executable, os.path.join(HERE, name + ".py"), "--thorough", "-o", os.path.join(folder, name + ".json")]
-        if subprocess.run(command, env=environment).returncode != 0:
+        if subprocess.run([sys.executable, *command(name), "-o", figures(folder, name)], env=environment).returncode != 0:
             failed.append(name)
     if failed:
         sys.exit("page.py: no page, for these parts failed: " + ", ".join(failed))

@@ -25,13 +25,20 @@ class Part:
 
 
 def main(name, title, work):
-    """work(part, thorough) counts; a failure anywhere ends with 1, and no page is made of it."""
-    parser = argparse.ArgumentParser(description=title)
+    """work(part, thorough) counts; a failure anywhere ends with 1, and no page is made of it. With titles by name instead of one title
+    the program takes one of these names, and work takes it, too."""
+    parser = argparse.ArgumentParser(description=title if isinstance(title, str) else ", ".join(title.values()))
+    if not isinstance(title, str):
+        parser.add_argument("choice", choices=title)
     parser.add_argument("--thorough", action="store_true", help="the long form, whose figures go on the page")
     parser.add_argument("-o", metavar="FILE.json", help="where the rows of the page go")
     options = parser.parse_args()
-    part = Part(name, title)
-    work(part, options.thorough)
+    if isinstance(title, str):
+        part = Part(name, title)
+        work(part, options.thorough)
+    else:
+        part = Part(f"{name} {options.choice}", title[options.choice])
+        work(part, options.thorough, options.choice)
     if part.failures:
         sys.exit(f"{len(part.failures)} failures")
     if options.o:

@@ -1,7 +1,11 @@
-"""The suite under AddressSanitizer with UndefinedBehaviorSanitizer, and under ThreadSanitizer, and every report counted.
+"""The suite as a preset builds it, and every report counted: sanitizers.py PRESET
 
-Builds the presets `asan` and `tsan` and runs programs of theirs that need no minutes (sanitized.json). The long form runs all programs,
-and those of the preset `debug`, in which an invalid operation, a division by zero or an overflow ends a program of numbers.
+   asan   AddressSanitizer and UndefinedBehaviorSanitizer
+   tsan   ThreadSanitizer
+   debug  an invalid operation, a division by zero or an overflow ends a program of numbers
+
+The programs of tests that each form runs stand in sanitized.json: those that need no minutes, and in the long form all, under
+ThreadSanitizer all that have threads, for nothing else can race.
 """
 
 import json
@@ -16,8 +20,8 @@ from part import main
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SOURCE = os.path.dirname(os.path.dirname(HERE))
-PRESETS = {"asan": "AddressSanitizer and UndefinedBehaviorSanitizer", "tsan": "ThreadSanitizer"}
-LONG_PRESETS = {**PRESETS, "debug": "traps for floating-point exceptions (preset debug)"}
+TITLES = {"asan": "Under AddressSanitizer and UndefinedBehaviorSanitizer", "tsan": "Under ThreadSanitizer",
+          "debug": "With traps for floating-point exceptions"}
 # Tests that set limits of memory and time for whole commands, and those that run the commands of README and demo at full length: what
 # they call is called by others, too.
 LEFT_OUT = "^(reliability_.*|demo|readme)$"
@@ -30,32 +34,30 @@ def build(preset, programs):
         subprocess.run(command, cwd=SOURCE, check=True, stdout=sys.stderr)
 
 
-def tested(part, preset, name, programs):
-    """`programs`: none for all."""
+def run_tests(preset, programs, folder):
+    """What ctest says of each."""
+    found = os.path.join(folder, "found.xml")
+    chosen = ["-L", f"^({'|'.join(programs)})$"] if programs else ["-E", LEFT_OUT]
+    subprocess.run(["ctest", "--test-dir", os.path.join(SOURCE, "build", preset), *chosen, "--output-on-failure", "-j",
+                    str(os.cpu_count()), "--output-junit", found, "--test-output-size-passed", "1000000",
+                    "--test-output-size-failed", "1000000"], check=False, stdout=sys.stderr,
+                   env={**os.environ, "UBSAN_OPTIONS": "print_stacktrace=1"})
+    return [case for case in xml.etree.ElementTree.parse(found).getroot().iter("testcase") if case.get("status") != "notrun"]
+
+
+def work(part, thorough, preset):
+    with open(os.path.join(HERE, "sanitized.json"), encoding="utf-8") as file:
+        programs = json.load(file)["long" if thorough else "short"][preset]  # none for all
     build(preset, programs)
     with tempfile.TemporaryDirectory() as folder:
-        found = os.path.join(folder, "found.xml")
-        chosen = ["-L", f"^({'|'.join(programs)})$"] if programs else ["-E", LEFT_OUT]
-        subprocess.run(["ctest", "--test-dir", os.path.join(SOURCE, "build", preset), *chosen, "--output-on-failure", "-j",
-                        str(os.cpu_count()), "--output-junit", found, "--test-output-size-passed", "1000000",
-                        "--test-output-size-failed", "1000000"], check=False, stdout=sys.stderr,
-                       env={**os.environ, "UBSAN_OPTIONS": "print_stacktrace=1"})
-        suite = xml.etree.ElementTree.parse(found).getroot()
-    cases = [case for case in suite.iter("testcase") if case.get("status") != "notrun"]
+        cases = run_tests(preset, programs, folder)
     failed = [case.get("name") for case in cases if case.get("status") == "fail"]
     reports = sum(len(REPORT.findall(case.findtext("system-out") or "")) for case in cases)
-    part.require(cases, f"{name}: no test ran")
-    part.require(not failed, f"{name}: {', '.join(failed)} failed")
-    part.require(reports == 0, f"{name}: {reports} reports")
-    part.row(f"tests under {name}", len(cases), f"{len(failed)} failed, {reports} reports")
-
-
-def work(part, thorough):
-    with open(os.path.join(HERE, "sanitized.json"), encoding="utf-8") as file:
-        fast = json.load(file)
-    for preset, name in (LONG_PRESETS if thorough else PRESETS).items():
-        tested(part, preset, name, [] if thorough else fast[preset])
+    part.require(cases, "no test ran")
+    part.require(not failed, f"{', '.join(failed)} failed")
+    part.require(reports == 0, f"{reports} reports")
+    part.row("tests of " + (", ".join(programs) if programs else "the whole suite"), len(cases), f"{len(failed)} failed, {reports} reports")
 
 
 if __name__ == "__main__":
-    main("sanitizers", "The suite under sanitizers", work)
+    main("sanitizers", TITLES, work)
