@@ -79,6 +79,12 @@ void add_stop(Limits& limits, double at, double one, double other) {
   limits.stops.push_back({at, stiff / std::max(soft, k_least_ratio * stiff)});
 }
 
+// Without one the slope between two breaks is anybody's: all pairs about a sharp corner fit alike.
+bool has_station_between(const Curve& curve, double low, double high) {
+  const double least = 1e-6 * (curve.x(1) - curve.x(0));
+  return ((curve.x.array() > low + least) && (curve.x.array() < high - least)).any();
+}
+
 // What the strongest two breaks of the curve say.
 Limits strongest(const Curve& curve) {
   Limits limits;
@@ -89,7 +95,8 @@ Limits strongest(const Curve& curve) {
 
   const double before = pieces.slope(0), inside = pieces.slope(1), after = pieces.slope(2);
   const double range = curve.x(n - 1) - curve.x(0), width = pieces.second - pieces.first;
-  if (width < k_corner * range && (before < inside) == (inside < after)) {  // one corner, rounded
+  const bool rounded = width < k_corner * range && (before < inside) == (inside < after);
+  if (rounded || !has_station_between(curve, pieces.first, pieces.second)) {  // one corner
     const double at = (before * pieces.first + inside * width - after * pieces.second) / (before - after);
     add_stop(limits, at, before, after);
   } else if (width < 0.5 * range && std::min(before, after) > k_stiffness_ratio * inside) {

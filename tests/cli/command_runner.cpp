@@ -49,7 +49,7 @@ CommandOutput grouser(const std::vector<std::string>& arguments, const CommandCo
   const std::string out = control.stdout_file.empty() ? (folder / "out").string() : control.stdout_file;
   const std::string err = (folder / "err").string();
   const pid_t process = start(arguments, out, err, control.closed);
-  const auto give_up = std::chrono::steady_clock::now() + std::chrono::minutes(2);
+  const auto give_up = std::chrono::steady_clock::now() + std::chrono::minutes(8);
   bool signalled = control.signal == 0;
   int status = 0;
   while (waitpid(process, &status, WNOHANG) == 0) {

@@ -17,8 +17,8 @@ struct CommandControl {
   std::vector<int> closed;  ///< standard streams that it starts without
 };
 
-/// Runs the built `grouser` as a user does, stderr not on a terminal. A command that runs longer than two minutes is
-/// killed.
+/// Runs the built `grouser` as a user does, stderr not on a terminal. A command that runs longer than eight minutes is
+/// killed: a sanitized one on a busy machine takes two.
 [[nodiscard]] CommandOutput grouser(const std::vector<std::string>& arguments, const CommandControl& control = {});
 
 }  // namespace grouser::test

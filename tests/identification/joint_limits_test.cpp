@@ -70,14 +70,20 @@ TEST(JointLimits, ShowPlayAndStopsOfOneJoint) {
   }
 }
 
+// Wherever it stands between two stations, 3 degrees apart, and on either side.
 TEST(JointLimits, ShowAStopOnOneSide) {
-  AxisFit fit = with_backbone(-60 * k_degree, 60 * k_degree,
-                              [](double x) { return 1600 * x + 8e4 * std::max(x - 52 * k_degree, 0.0); });
-  find_joint_limits(fit);
-  EXPECT_FALSE(fit.clearance.has_value());
-  ASSERT_EQ(fit.hard_stops.size(), 1u);
-  EXPECT_NEAR(fit.hard_stops[0].at, 52 * k_degree, 0.2 * k_degree);  // half an eighth of 3 degrees
-  EXPECT_NEAR(fit.hard_stops[0].stiffness_ratio, 51.0, 2.0);
+  for (const double side : {-1.0, 1.0}) {
+    for (double stop = 51.1; stop < 54.0; stop += 0.2) {
+      AxisFit fit = with_backbone(-60 * k_degree, 60 * k_degree, [&](double x) {
+        return 1600 * x + side * 8e4 * std::max(side * x - stop * k_degree, 0.0);
+      });
+      find_joint_limits(fit);
+      EXPECT_FALSE(fit.clearance.has_value()) << stop;
+      ASSERT_EQ(fit.hard_stops.size(), 1u) << stop;
+      EXPECT_NEAR(fit.hard_stops[0].at, side * stop * k_degree, 0.2 * k_degree);  // half an eighth of 3 degrees
+      EXPECT_NEAR(fit.hard_stops[0].stiffness_ratio, 51.0, 2.0) << stop;
+    }
+  }
 }
 
 IdentifyResult identified(const AxisCampaign& campaign) {
