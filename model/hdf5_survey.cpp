@@ -238,7 +238,9 @@ void prepare_for_the_worst(const std::filesystem::path& file) {
   alarm(static_cast<unsigned>(k_patience * seconds));
 }
 
-[[noreturn]] void survey_as_child(const std::filesystem::path& file, pid_t parent, int to_parent) {
+[[noreturn]] void survey_as_child(const std::filesystem::path& file, pid_t parent, const std::array<int, 2>& pipe) {
+  const auto [of_parent, to_parent] = pipe;
+  ::close(of_parent);
   // What outlived its parent would keep the lock of the parent's run folder.
   if (::prctl(PR_SET_PDEATHSIG, SIGKILL) != 0 || ::getppid() != parent) _exit(1);
   prepare_for_the_worst(file);
@@ -248,8 +250,10 @@ void prepare_for_the_worst(const std::filesystem::path& file) {
   } catch (const std::exception&) {  // std::bad_alloc: a size that the file only claims
     fault = "a size that does not fit into memory";
   }
-  const ssize_t written = ::write(to_parent, fault.data(), std::min<std::size_t>(fault.size(), 4096));
-  _exit(written == static_cast<ssize_t>(std::min<std::size_t>(fault.size(), 4096)) ? 0 : 1);
+  fault.resize(std::min<std::size_t>(fault.size(), 4096));
+  const ssize_t written = ::write(to_parent, fault.data(), fault.size());
+  ::close(to_parent);
+  _exit(written == static_cast<ssize_t>(fault.size()) ? 0 : 1);
 }
 
 std::string take_all(int from) {
@@ -277,7 +281,7 @@ void survey_hdf5(const std::filesystem::path& file) {
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw FileError(refusal + std::strerror(errno));
   const pid_t parent = ::getpid(), child = ::fork();
-  if (child == 0) survey_as_child(file, parent, ends[1]);
+  if (child == 0) survey_as_child(file, parent, ends);
   ::close(ends[1]);
   const std::string fault = take_all(ends[0]);
   if (child < 0) throw FileError(refusal + std::strerror(errno));

@@ -1,7 +1,7 @@
 """Every command of the pipeline under valgrind's memcheck: what is read before it was written, accesses outside, leaks, files left open.
 
 Builds the preset `valgrind`, for valgrind knows no AVX-512 and takes minutes for what has fused multiplications. Runs are short, and the
-track is laid as always. Mesa draws by its interpreter (softpipe): memcheck does not follow the code that its compiler makes.
+track is laid as always. It has one form, of minutes.
 """
 
 import os
@@ -49,7 +49,7 @@ def checked(part, folder, code, *arguments):
     os.mkdir(logs)
     valgrind = ["valgrind", "--trace-children=yes", "--leak-check=full", "--errors-for-leak-kinds=definite", "--track-fds=yes",
                 "--num-callers=30", f"--log-file={logs}/%p"]
-    environment = {**os.environ, "GALLIUM_DRIVER": "softpipe", "LP_NUM_THREADS": "0"}
+    environment = {**os.environ, "LP_NUM_THREADS": "0"}
     done = subprocess.run([*valgrind, os.path.join(BUILD, "grouser"), *arguments], cwd=folder, env=environment, capture_output=True,
                           text=True)
     text, processes = "", os.listdir(logs)
