@@ -88,8 +88,11 @@ TEST_F(FitFigures, WithoutIntervalsShowTheLawsAnswerToEveryLoop) {
 
 TEST_F(FitFigures, MarkPlayStopsAndPreset) {
   std::set<std::string> labels;
-  for (const Axis each : {Axis::x, Axis::ry})
-    for (const Mark& mark : figure_backbone(axis(each))->panels[0].marks) labels.insert(mark.label);
+  for (const Axis each : {Axis::x, Axis::ry}) {
+    const std::optional<Figure> figure = figure_backbone(axis(each));
+    ASSERT_TRUE(figure);
+    for (const Mark& mark : figure->panels[0].marks) labels.insert(mark.label);
+  }
   EXPECT_EQ(labels, (std::set<std::string>{"play", "preset", "stop"}));
 }
 
