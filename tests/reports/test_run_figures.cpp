@@ -132,7 +132,7 @@ TEST_F(RunFigures, WheelTravelIsTheHeightOfTheArmsEnd) {
   const Station& station = mock.vehicle.side(Side::left).stations[2];
   const Vector3d arm = station.wheel.center - station.pivot;
   const double radius = std::hypot(arm.x(), arm.z()), design = std::atan2(arm.z(), arm.x());
-  const Series& travel = make_run_figure(mock, "wheel_travel").panels[0].series[2];
+  const Series travel = make_run_figure(mock, "wheel_travel").panels[0].series[2];
   for (const std::size_t row : {std::size_t{20}, std::size_t{60}}) {
     const double angle = 0.02 * std::sin(9.0 * travel.x[row]);  // about +y, which turns x towards -z
     EXPECT_NEAR(travel.y[row], 1e3 * radius * (std::sin(design - angle) - std::sin(design)), 1e-9);
