@@ -48,7 +48,7 @@ def checked(part, folder, code, *arguments):
     logs = os.path.join(folder, "logs")
     os.mkdir(logs)
     valgrind = ["valgrind", "--trace-children=yes", "--leak-check=full", "--errors-for-leak-kinds=definite", "--track-fds=yes",
-                "--num-callers=30", f"--log-file={logs}/%p"]
+                f"--suppressions={os.path.join(HERE, 'valgrind.supp')}", "--num-callers=30", f"--log-file={logs}/%p"]
     environment = {**os.environ, "LP_NUM_THREADS": "0"}
     done = subprocess.run([*valgrind, os.path.join(BUILD, "grouser"), *arguments], cwd=folder, env=environment, capture_output=True,
                           text=True)
