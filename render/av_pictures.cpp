@@ -1,5 +1,7 @@
 #include "render/av_pictures.h"
 
+#include <vector>
+
 namespace grouser {
 
 AvFrameHandle av_frame_of(int width, int height, AVPixelFormat format, const std::string& what) {
@@ -19,7 +21,12 @@ AvScalerHandle av_scaler(int width, int height, AVPixelFormat from, AVPixelForma
 }
 
 void convert(SwsContext& scaler, const Image& image, AVFrame& to) {
-  const std::array<const std::uint8_t*, 1> rows{image.bgr.data()};
+  constexpr std::size_t k_behind = 64;  // bytes: libswscale reads whole vectors, beyond the end of the last row
+  std::vector<std::uint8_t> bgr;
+  bgr.reserve(image.bgr.size() + k_behind);
+  bgr.assign(image.bgr.begin(), image.bgr.end());
+  bgr.resize(image.bgr.size() + k_behind);
+  const std::array<const std::uint8_t*, 1> rows{bgr.data()};
   const std::array<int, 1> stride{3 * image.width};
   sws_scale(&scaler, rows.data(), stride.data(), 0, image.height, to.data, to.linesize);
 }
