@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "model/errors.h"
 #include "model/provenance.h"
 
@@ -49,7 +51,7 @@ CheckpointIdentity identity_of(const Scenario& scenario) {
 
 void CheckpointReader::bytes(void* to, std::size_t size) {
   if (size > payload_.size() - at_) refuse("all parts of a run", "an end before the last of them");
-  std::memcpy(to, payload_.data() + at_, size);
+  std::copy_n(payload_.data() + at_, size, static_cast<char*>(to));
   at_ += size;
 }
 

@@ -4,9 +4,8 @@
    tsan   ThreadSanitizer
    debug  an invalid operation, a division by zero or an overflow ends a program of numbers
 
-The programs of tests that each form runs stand in sanitized.json: those that need no minutes, and in the long form all but those that
-step vehicles for minutes (test_vehicle, the validation), which a sanitizer makes sixty times as slow: what they step is stepped
-shorter by others. Under ThreadSanitizer those that have threads, for nothing else can race.
+The programs of tests that each form runs stand in sanitized.json: those that need no minutes, and in the long form all of them. Under
+ThreadSanitizer it is those that have threads, for nothing else can race.
 """
 
 import json
