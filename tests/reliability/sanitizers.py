@@ -22,9 +22,12 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 SOURCE = os.path.dirname(os.path.dirname(HERE))
 TITLES = {"asan": "Under AddressSanitizer and UndefinedBehaviorSanitizer", "tsan": "Under ThreadSanitizer",
           "debug": "With traps for floating-point exceptions"}
+NOTES = {"asan": "What stands in `simulator/` is built without use-after-scope (docs/decisions.md); its tests and everything else have it.",
+         "tsan": "These are the programs that have threads. The rasteriser, which is not instrumented, draws without threads here."}
 # Tests that set limits of memory and time for whole commands, and those that run the commands of README and demo at full length: what
 # they call is called by others, too.
 LEFT_OUT = "^(reliability_.*|demo|readme)$"
+WHOLE = "the whole suite but the parts of this page, the demo and README's commands"
 REPORT = re.compile(r"ERROR: (?:Address|Leak)Sanitizer|WARNING: ThreadSanitizer|runtime error: ")
 
 
@@ -56,7 +59,9 @@ def work(part, thorough, preset):
     part.require(cases, "no test ran")
     part.require(not failed, f"{', '.join(failed)} failed")
     part.require(reports == 0, f"{reports} reports")
-    part.row("tests of " + (", ".join(programs) if programs else "the whole suite"), len(cases), f"{len(failed)} failed, {reports} reports")
+    part.row("tests of " + (", ".join(programs) or WHOLE), len(cases), f"{len(failed)} failed, {reports} reports")
+    if preset in NOTES:
+        part.note(NOTES[preset])
 
 
 if __name__ == "__main__":
