@@ -84,7 +84,8 @@ void PartStore::cut() const {
 
 void PartStore::remove() {
   std::error_code ignored;
-  for (const fs::path& part : parts_from(0, ignored)) fs::remove(part, ignored);
+  for (int part = 0; part < count_; ++part) fs::remove(file_of(part), ignored);  // also when the folder cannot be read
+  for (const fs::path& part : parts_from(count_, ignored)) fs::remove(part, ignored);
   fs::remove(folder_ / names_.mark, ignored);
   fs::remove(folder_ / lock_name(names_), ignored);
   fs::remove(folder_, ignored);
