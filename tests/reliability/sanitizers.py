@@ -5,7 +5,7 @@
    debug  an invalid operation, a division by zero or an overflow ends a program of numbers
 
 The programs of tests that each form runs stand in sanitized.json: those that need no minutes, and in the long form all of them. Under
-ThreadSanitizer it is those that have threads, for nothing else can race.
+ThreadSanitizer it is some of those that have threads (NOTES).
 """
 
 import json
@@ -23,7 +23,8 @@ SOURCE = os.path.dirname(os.path.dirname(HERE))
 TITLES = {"asan": "Under AddressSanitizer and UndefinedBehaviorSanitizer", "tsan": "Under ThreadSanitizer",
           "debug": "With traps for floating-point exceptions"}
 NOTES = {"asan": "What stands in `simulator/` is built without use-after-scope (docs/decisions.md); its tests and everything else have it.",
-         "tsan": "These are the programs that have threads. The rasteriser, which is not instrumented, draws without threads here."}
+         "tsan": "The writer of files, fits and films have threads there. Left out, though they have threads, too: test_vehicle (vehicles side by side), "
+                 "test_simulator and whole commands. The rasteriser, which is not instrumented, draws without threads here."}
 # Tests that set limits of memory and time for whole commands, and those that run the commands of README and demo at full length: what
 # they call is called by others, too.
 LEFT_OUT = "^(reliability_.*|demo|readme)$"
