@@ -93,8 +93,8 @@ std::string convergence_page(const Ladder& ladder, const TrajectoryErrors& error
   std::string text = fmt::format(
       R"(# Convergence of run A
 
-How the results of the reference vehicle's straight drive hang on the integrator's tolerance, and why the shipped tolerance is {chosen}. Tables
-and pictures come from one program, with the numbers about them; make them again with
+How the results of the reference vehicle's straight drive depend on the integrator's tolerance, and why the shipped tolerance is {chosen}. Tables
+and pictures come from one program, with the numbers about them; make them again, after `./test.sh` (`./demo.sh` configures the same folder without tests), with
 `cmake --build build/release --target grouser_convergence && build/release/grouser_convergence -o docs` (some minutes).
 
 - The drive is run A with its cruise held for {cruise:g} s instead of 3, so that lines stand on {window:g} s: rest to 50 km/h in {up:g} s, cruise, rest in {down:g} s.

@@ -71,8 +71,9 @@ measured number was computed when this page was made; nothing is tuned to a row.
 
 - An error is absolute, in the row's unit, or relative (`%`, `rel.`) where its limit says so. The limit names its reason.
 - A vector or a curve stands with its worst entry.
-- Make it again: `cmake --build build/release --target grouser_validation && build/release/grouser_validation -o docs/validation.md`.
-  `ctest -R validation` computes all rows anew and fails where one is out of its limit, or where this page lists other rows or
+- Make it again, after `./test.sh` (`./demo.sh` configures the same folder without tests):
+  `cmake --build build/release --target grouser_validation && build/release/grouser_validation -o docs/validation.md`.
+  `ctest --test-dir build/release -R validation` computes all rows anew and fails where one is out of its limit, or where this page lists other rows or
   limits.
 )";
   for (const Family& family : k_families) {

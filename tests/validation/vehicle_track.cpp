@@ -57,7 +57,7 @@ void add_hoop(const VehicleScene& scene, double slow_tension, Chapter& chapter) 
       "Tension of a running track",
       "The vehicle on ice, its sprockets at 45 rad/s (50 km/h): the tracks run, the vehicle stays. What of ρ v² shows "
       "in "
-      "the tension hangs on the tensioner: all of it where its force is constant, less where it holds the length of "
+      "the tension depends on the tensioner: all of it where its force is constant, less where it holds the length of "
       "the "
       "track's way. The shipped one is compared with itself at 0.5 rad/s, for the way round polygons changes as links "
       "pass.");
