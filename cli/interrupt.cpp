@@ -1,5 +1,6 @@
 #include "cli/interrupt.h"
 
+#include <atomic>
 #include <csignal>
 #include <ctime>
 
@@ -9,8 +10,9 @@ namespace {
 /// timeout(1) and closing terminals send to the process and to its group in one go: that is once.
 constexpr long k_one_go = 250;  // ms
 
-volatile std::sig_atomic_t interrupt_seen = 0;
-volatile long first_seen = 0;  // ms of the monotonic clock
+/// ms of the monotonic clock, 0 for none. A second signal may come to another thread while the first one is handled.
+std::atomic<long> first_seen = 0;
+static_assert(std::atomic<long>::is_always_lock_free);  // safe in a signal handler
 
 long now() {
   timespec time = {};
@@ -19,10 +21,9 @@ long now() {
 }
 
 void on_signal(int signal) {
-  if (interrupt_seen == 0) {
-    first_seen = now();
-    interrupt_seen = 1;
-  } else if (now() > first_seen + k_one_go) {
+  long first = 0;
+  const bool is_first = first_seen.compare_exchange_strong(first, now());
+  if (!is_first && now() > first + k_one_go) {
     // A user who asks again does not want to wait for the next safe place.
     std::signal(signal, SIG_DFL);
     raise(signal);
@@ -31,9 +32,10 @@ void on_signal(int signal) {
 
 }  // namespace
 
-void let_writes_fail() {
+void let_calls_fail() {
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGCHLD, SIG_DFL);
 }
 
 void watch_interrupts() {
@@ -47,6 +49,6 @@ void watch_interrupts() {
   if (hangup.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
 }
 
-bool interrupted() { return interrupt_seen != 0; }
+bool interrupted() { return first_seen != 0; }
 
 }  // namespace grouser::cli

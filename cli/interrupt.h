@@ -2,8 +2,9 @@
 
 namespace grouser::cli {
 
-/// A closed pipe, or a file beyond its limit, fails the write instead of ending the process.
-void let_writes_fail();
+/// A closed pipe, or a file beyond its limit, fails the write instead of ending the process. And how a process of ours
+/// ended is kept until it is asked for, also where the caller ignored the end of its own.
+void let_calls_fail();
 
 /// From here on SIGINT, SIGTERM and SIGHUP set a flag instead of ending the process; a second one ends it at once. Work
 /// under nohup outlives its terminal as before.

@@ -64,7 +64,7 @@ int refuse(const CLI::App& root, const CLI::ParseError& error, const std::vector
 
 int main(int argc, char** argv) {
   hold_standard_streams();
-  let_writes_fail();
+  let_calls_fail();
   CLI::App root{"Rubber-bushed track: from test rig to vehicle dynamics.", "grouser"};
   CommonOptions common;
   add_common(root, common);

@@ -13,6 +13,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <utility>
 
 #include "cli/interrupt.h"
 #include "model/errors.h"
@@ -20,12 +21,28 @@
 namespace grouser::cli {
 namespace {
 
-/// A running job as its parent sees it.
+/// A running job as its parent sees it. One that nobody waited for, upon an error of the parent, is stopped.
 struct Child {
-  pid_t process = -1;
-  int pipe = -1;        ///< its progress, a line each: "fraction text"
+  Child(pid_t of_process, int of_pipe, double of_weight) : process(of_process), pipe(of_pipe), weight(of_weight) {}
+  Child(Child&& other) noexcept
+      : process(std::exchange(other.process, -1)),
+        pipe(std::exchange(other.pipe, -1)),
+        pending(std::move(other.pending)),
+        weight(other.weight),
+        report(std::move(other.report)) {}
+  Child& operator=(Child&&) = delete;
+  ~Child() {
+    if (pipe >= 0) close(pipe);
+    if (process < 0) return;
+    kill(process, SIGTERM);
+    while (waitpid(process, nullptr, 0) < 0 && errno == EINTR) {
+    }
+  }
+
+  pid_t process;        ///< -1 once it was waited for
+  int pipe;             ///< its progress, a line each: "fraction text"; -1 at its end
   std::string pending;  ///< bytes of a line that is not whole yet
-  double weight = 1.0;
+  double weight;
   ProgressReport report;
 };
 
@@ -50,17 +67,18 @@ Child start(const Job& job) {
   if (pipe2(ends, O_CLOEXEC) != 0) throw FileError(fmt::format("cannot make a pipe: {}", std::strerror(errno)));
   std::fflush(nullptr);
   const pid_t parent = getpid(), process = fork();
-  if (process < 0) throw FileError(fmt::format("cannot make a process: {}", std::strerror(errno)));
+  if (process < 0) {
+    const int why = errno;
+    close(ends[0]);
+    close(ends[1]);
+    throw FileError(fmt::format("cannot make a process: {}", std::strerror(why)));
+  }
   if (process == 0) {
     close(ends[0]);
     live_as_child(job, parent, ends[1]);
   }
   close(ends[1]);
-  Child child;
-  child.process = process;
-  child.pipe = ends[0];
-  child.weight = job.weight;
-  return child;
+  return {process, ends[0], job.weight};
 }
 
 /// Takes what the child has said; closes the pipe at its end.
@@ -100,10 +118,12 @@ ProgressReport together(const std::vector<Child>& children) {
 
 /// The code a child ended with; one that a user's signal ended counts as interrupted. `killed` is the signal that no
 /// user sent: of the system when memory is out, or of a crash.
-ExitCode wait_for(const Child& child, int& killed) {
-  int status = 0;
-  while (waitpid(child.process, &status, 0) < 0 && errno == EINTR) {
+ExitCode wait_for(Child& child, int& killed) {
+  int status = 0, result = 0;
+  while ((result = waitpid(child.process, &status, 0)) < 0 && errno == EINTR) {
   }
+  child.process = -1;
+  if (result < 0) return ExitCode::file_failure;
   if (WIFEXITED(status)) return static_cast<ExitCode>(WEXITSTATUS(status));
   const int signal = WTERMSIG(status);
   if (signal == SIGINT || signal == SIGTERM || signal == SIGHUP) return ExitCode::interrupted;
@@ -143,7 +163,7 @@ ExitCode run_in_processes(const std::vector<Job>& jobs, const Progress& progress
   }
   ExitCode worst = ExitCode::done;
   int killed = 0;
-  for (const Child& child : children) {
+  for (Child& child : children) {
     if (const ExitCode code = wait_for(child, killed); worst == ExitCode::done) worst = code;
   }
   if (killed != 0) {

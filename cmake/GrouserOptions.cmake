@@ -37,6 +37,9 @@ if(GROUSER_SANITIZE)
   target_compile_options(grouser_options INTERFACE -fsanitize=${GROUSER_SANITIZE} -fno-omit-frame-pointer
     $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized> -Wno-null-dereference)
   target_link_options(grouser_options INTERFACE -fsanitize=${GROUSER_SANITIZE})
+  if(GROUSER_SANITIZE MATCHES undefined)
+    target_compile_options(grouser_options INTERFACE -fno-sanitize-recover=all)  # else it tells, and goes on to exit code 0
+  endif()
   if(GROUSER_SANITIZE MATCHES address)
     target_sources(grouser_options INTERFACE
       $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:${CMAKE_SOURCE_DIR}/tests/support/leaks_elsewhere.cpp>)

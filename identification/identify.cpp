@@ -9,6 +9,7 @@
 #include <map>
 #include <optional>
 #include <string_view>
+#include <system_error>
 #include <thread>
 
 #include "identification/axis_fit.h"
@@ -135,7 +136,10 @@ AxisResults identify_axes(const std::vector<PreparedTest>& tests, const std::vec
   };
   {
     std::vector<std::jthread> helpers;
-    for (int i = 1; i < std::min(threads, k_num_axes); ++i) helpers.emplace_back(work, false);
+    try {
+      for (int i = 1; i < std::min(threads, k_num_axes); ++i) helpers.emplace_back(work, false);
+    } catch (const std::system_error&) {  // the system gives no more threads; those that there are do the same work
+    }
     work(true);
   }
   for (const std::exception_ptr& error : errors) {

@@ -7,6 +7,11 @@
 
 #include "model/errors.h"
 
+// A run is read while its writer's thread writes.
+#ifndef H5_HAVE_THREADSAFE
+#error "expected an HDF5 library that was built for threads (Debian's is)"
+#endif
+
 namespace grouser {
 
 /// Owner of one HDF5 identifier.

@@ -51,6 +51,7 @@ bool bears(int descriptor, const std::filesystem::path& name) {
 /// Always the same name, so that what a killed process left is written over. Of two processes one waits for the other,
 /// whose rename takes the name away.
 Descriptor open_part(const std::filesystem::path& part, const std::filesystem::path& file) {
+  refuse_link(part);
   while (true) {
     Descriptor opened(::open(part.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666));
     if (opened.number() < 0) fail_file("write", file);

@@ -37,6 +37,12 @@ void replace_in_steps(const fs::path& made, const fs::path& folder) {
 
 }  // namespace
 
+void refuse_link(const fs::path& place) {
+  std::error_code unknown;
+  if (!fs::is_symlink(fs::symlink_status(place, unknown))) return;
+  throw FileError("cannot write " + place.string() + ": expected no symbolic link there, for it may lead elsewhere");
+}
+
 void sync_file(const fs::path& file) {
   const Descriptor opened(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
   if (opened.number() < 0 || ::fsync(opened.number()) != 0) fail_file("write", file);

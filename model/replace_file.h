@@ -4,6 +4,10 @@
 /// Files that are made beside the one that they replace, so that neither a kill nor a loss of power leaves half of one.
 namespace grouser {
 
+/// What this program calls by a name of its own inside an output folder stands there: throws FileError where `place` is
+/// a symbolic link, which may lead anywhere.
+void refuse_link(const std::filesystem::path& place);
+
 /// Returns once the file's bytes stand on the disk. Throws FileError.
 void sync_file(const std::filesystem::path& file);
 

@@ -85,11 +85,16 @@ Hdf5Handle create_dataset(hid_t file, const Channel& channel, std::size_t chunk_
 
 }  // namespace
 
-RunFile::RunFile(const std::filesystem::path& path, std::vector<ChannelTable> tables,
-                 const std::map<std::string, std::vector<std::string>>& names)
+RunFile::RunFile(const std::filesystem::path& path, std::vector<ChannelTable> tables)
     : final_path_(path), path_(path.string() + ".part"), tables_(std::move(tables)) {
   silence_hdf5();
+  refuse_link(path_);
   file_ = create_file(path_);
+}
+
+RunFile::RunFile(const std::filesystem::path& path, std::vector<ChannelTable> tables,
+                 const std::map<std::string, std::vector<std::string>>& names)
+    : RunFile(path, std::move(tables)) {  // from here on an error calls the destructor
   for (const ChannelTable& table : tables_) {
     std::vector<Hdf5Handle>& datasets = datasets_.emplace_back();
     for (const Channel& channel : table.channels) {

@@ -33,6 +33,8 @@ class RunFile {
   void close();
 
  private:
+  /// An empty file.
+  RunFile(const std::filesystem::path& path, std::vector<ChannelTable> tables);
   void write_channel(std::size_t table, std::size_t channel, std::size_t first, std::size_t count,
                      std::span<const unsigned char> chunk);
 

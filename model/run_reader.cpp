@@ -58,12 +58,15 @@ std::string table_of(const std::string& name) {
   return "/";
 }
 
-herr_t collect_dataset(hid_t file, const char* name, const H5O_info_t* info, void* shapes) {
+/// No exception leaves it: HDF5 calls it with its lock held.
+herr_t collect_dataset(hid_t file, const char* name, const H5O_info_t* info, void* shapes) noexcept try {
   if (info->type != H5O_TYPE_DATASET) return 0;
   const Hdf5Handle set(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose);
   if (!set) return -1;
   (*static_cast<std::map<std::string, std::vector<hsize_t>>*>(shapes))[std::string("/") + name] = shape_of(set.id());
   return 0;
+} catch (...) {
+  return -1;
 }
 
 }  // namespace

@@ -128,7 +128,7 @@ RunWriter::RunWriter(const std::filesystem::path& file, const std::vector<Channe
 RunWriter::~RunWriter() {
   try {
     if (impl_->published) close();
-  } catch (const FileError&) {  // a destructor has nobody to tell; call close() to learn of a full disk
+  } catch (...) {  // a destructor has nobody to tell; call close() to learn of a full disk or memory
   }
 }
 

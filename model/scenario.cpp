@@ -5,6 +5,7 @@
 
 #include "model/file_json.h"
 #include "model/overrides.h"
+#include "model/replace_file.h"
 #include "model/terrain_reader.h"
 
 namespace grouser {
@@ -343,6 +344,7 @@ Scenario read_scenario(const std::filesystem::path& file, const ScenarioOverride
 
 void write_inputs(const Scenario& scenario, const std::filesystem::path& run_folder) {
   const fs::path inputs = run_folder / "inputs";
+  refuse_link(inputs);
   std::error_code error;
   fs::create_directories(inputs, error);
   if (error) throw FileError("cannot create " + inputs.string() + ": " + error.message());

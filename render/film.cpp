@@ -143,8 +143,9 @@ int render_film(const Runs& runs, const fs::path& file, const RenderOptions& opt
   SplitScreen screen(runs, options, 1);
   const FrameTimes times(screen, options);
   const std::string hidden = "." + file.stem().string(), mark = film_mark(runs);
-  PartStore store(file.parent_path() / (hidden + ".stretches"), k_stretches, digest_of(mark, options),
-                  (times.count - 1) / k_stretch + 1);
+  const fs::path stretches = file.parent_path() / (hidden + ".stretches");
+  refuse_link(stretches);
+  PartStore store(stretches, k_stretches, digest_of(mark, options), (times.count - 1) / k_stretch + 1);
   for (int first = store.done() * k_stretch; first < times.count; first += k_stretch) {
     FilmEncoder encoder(store.next(), options.width, options.height, options.fps);
     if (!film_stretch(screen, times, first, std::min(first + k_stretch, times.count), encoder, progress)) return 0;

@@ -1,5 +1,6 @@
 #include "render/film_encoder.h"
 
+#include "model/replace_file.h"
 #include "render/av_pictures.h"
 #include "render/film_reader.h"
 
@@ -43,6 +44,7 @@ class Mp4Writer {
   }
   [[nodiscard]] AVStream& stream() { return *made(stream_, file_); }
   void begin() {
+    refuse_link(file_);
     checked(avio_open(&context_->pb, av_file_url(file_).c_str(), AVIO_FLAG_WRITE), file_);
     checked(avformat_write_header(context_, nullptr), file_);
   }

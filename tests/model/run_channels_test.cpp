@@ -147,6 +147,26 @@ TEST(RunChannels, TellOfAFailureOfTheWritersThreadInALaterCall) {
   EXPECT_THROW(writer.close(), FileError);
 }
 
+TEST(RunChannels, AreLeftAsTheyAreBehindAnyErrorOfTheWritersThread) {
+  const TemporaryFolder folder;
+  const auto write = [&] {
+    RunWriter writer(folder.path() / "run.h5", tables(), {});
+    writer.publish();
+    writer.sync([] { throw std::bad_alloc(); });
+    append_rows(writer, 0, 100000);
+  };
+  EXPECT_THROW(write(), std::bad_alloc);  // and the writer's end throws nothing more
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "run.h5"));
+}
+
+TEST(RunChannels, AreNotWrittenThroughALink) {
+  const TemporaryFolder folder;
+  const auto elsewhere = folder.write("elsewhere", "of a user");
+  std::filesystem::create_symlink(elsewhere, folder.path() / "run.h5.part");
+  EXPECT_THROW(RunWriter(folder.path() / "run.h5", tables(), {}), FileError);
+  EXPECT_EQ(bytes_of(elsewhere), "of a user");
+}
+
 TEST(RunChannels, RefuseWhenTheDiskIsFull) {
   const TemporaryFolder folder;
   const pid_t child = ::fork();

@@ -51,6 +51,16 @@ class Demo(unittest.TestCase):
             with open(os.path.join(folder, "index.html"), encoding="utf-8") as file:
                 self.assertIn("stiffness/report.html", file.read())
 
+    def test_a_part_that_fails_is_told_also_where_the_caller_ignores_its_children(self):
+        with tempfile.TemporaryDirectory() as data, tempfile.TemporaryDirectory() as folder:
+            short_data(data)
+            with open(os.path.join(data, "scenarios/run_b.json"), "w", encoding="utf-8") as file:
+                file.write("{}")
+            done = subprocess.run([COMMAND, "demo", "-o", folder, "--data", data], capture_output=True, text=True,
+                                  preexec_fn=lambda: signal.signal(signal.SIGCHLD, signal.SIG_IGN))
+            self.assertEqual(done.returncode, 3, done.stderr)
+            self.assertFalse(os.path.exists(os.path.join(folder, "index.html")))
+
     def test_an_interruption_stops_the_parts_too(self):
         with tempfile.TemporaryDirectory() as folder:
             with subprocess.Popen([COMMAND, "demo", "-o", folder], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
