@@ -13,7 +13,7 @@ struct Signals {
   std::vector<double> time, displacement, force, temperature;
 };
 
-/// Loop measures by definition (D 6.1) of samples begin..end, closed by the chord; storage and loss stiffness stay 0.
+/// Loop measures by definition of samples begin..end, closed by the chord; storage and loss stiffness stay 0.
 /// `force_for_range`: the force without noise that would widen its range. frequency 0 = unknown. The force at an
 /// extreme displacement, for the secant, is the mean over the samples within 3 `noise` of it: on the flat crest of a
 /// sine, noise chooses one of many, and the force changes between them.
@@ -33,7 +33,7 @@ struct Harmonics {
 [[nodiscard]] Harmonics fit_harmonics(const std::vector<double>& time, const std::vector<double>& signal,
                                       CycleSpan span, double frequency);
 
-/// First harmonic of force over first harmonic of displacement (D 6.1): K* = K' + i K''.
+/// First harmonic of force over first harmonic of displacement: K* = K' + i K''.
 [[nodiscard]] std::complex<double> dynamic_stiffness(const std::vector<double>& time,
                                                      const std::vector<double>& displacement,
                                                      const std::vector<double>& force, CycleSpan span,

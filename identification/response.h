@@ -14,7 +14,7 @@ struct HarmonicResponse {
 /// Spring and stops of a law followed along one settled sine; they do not know the frequency.
 [[nodiscard]] HarmonicResponse rate_independent_response(const AxisLaw& law, double amplitude, double centre);
 
-/// Branches and damper at one frequency [Hz], by their complex stiffness (D 6.4); they do not know the amplitude.
+/// Branches and damper at one frequency [Hz], by their complex stiffness; they do not know the amplitude.
 [[nodiscard]] HarmonicResponse viscoelastic_response(const AxisLaw& law, double frequency);
 
 /// Mean of the loading and the unloading force of a law on a settled triangle between low and high, `period` seconds a

@@ -90,7 +90,7 @@ SpringSpline read_spring(ObjectReader& r, const AxisUnits& units) {
   return spring;
 }
 
-/// Stops that follow the Berg element's virgin curve F = F_max x / (x_2 + x) (D 6.4): its chords between six points
+/// Stops that follow the Berg element's virgin curve F = F_max x / (x_2 + x): its chords between six points
 /// whose spacing makes all chords equally good, within 2 % of F_max up to 35 x_2, where 97 % of F_max is reached.
 std::vector<FrictionStop> expand_berg(double force_max, double half_displacement) {
   constexpr int num_stops = 6;

@@ -6,7 +6,7 @@
 
 /// The law of one bushing axis: f = spring(x) + sum of stops + sum of Maxwell branches + c x_dot, acting against x.
 /// (Paper eq. 7 with a spline in place of K, and with friction stops and Maxwell branches in place of one constant C,
-/// because a damper taken from a slow loop is wrong by orders of magnitude at link-passing frequency; D 1.6, 6.1.)
+/// because a damper taken from a slow loop is wrong by orders of magnitude at link-passing frequency.)
 /// The simulator and the fit both call these functions.
 namespace grouser {
 

@@ -10,7 +10,7 @@
 
 namespace grouser {
 
-/// Loop measures by definition (D 6.1). SI: N/m (or N m/rad), J, N s/m (or N m s/rad).
+/// Loop measures by definition. SI: N/m (or N m/rad), J, N s/m (or N m s/rad).
 struct LoopMeasures {
   double effective_stiffness = 0.0;  ///< force range / displacement range
   double dissipated_energy = 0.0;    ///< loop area

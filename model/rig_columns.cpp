@@ -191,7 +191,7 @@ const RigSensor* sensor_of(const Channel& channel, std::size_t column) {
   return channel.sensors.empty() ? nullptr : channel.sensors[column];
 }
 
-/// Two LVDTs, left and right of the specimen: the mean is the stretch, half the difference the tilt (D 6.2).
+/// Two LVDTs, left and right of the specimen: the mean is the stretch, half the difference the tilt.
 void average(RigTest& test, std::vector<double> second) {
   for (std::size_t i = 0; i < second.size(); ++i) {
     const double first = test.displacement[i];

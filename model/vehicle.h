@@ -19,7 +19,7 @@ struct MassProperties {
   Vector3d inertia = Vector3d::Zero();         ///< kg m^2 (xx, yy, zz)
 };
 
-/// Normal law f = k delta (1 + a delta_dot), continuous at touch-down; `a` follows from the restitution by D 5.1.
+/// Normal law f = k delta (1 + a delta_dot), continuous at touch-down; `a` follows from the restitution.
 struct ContactLaw {
   double stiffness = 0.0;               ///< N/m (point, per disc or ring) or N/m^2 (disc foundation)
   double restitution = 0.835;           ///< at `restitution_speed`, 0..1
@@ -48,7 +48,7 @@ struct TorsionBar {
   double damping = 0.0;     ///< N m s/rad
 };
 
-/// Gas spring driven by the arm through a slider-crank, orifice damping with blow-off (D 4.2, 4.3).
+/// Gas spring driven by the arm through a slider-crank, orifice damping with blow-off.
 struct Hydropneumatic {
   double piston_area = 0.0;   ///< m^2
   double crank_radius = 0.0;  ///< m

@@ -141,7 +141,7 @@ Lanes in_series(const Lanes& a, const Lanes& b) {
 }
 
 /// The joint's own tangents, for the stability bound. Across the connector it gives way by swinging too: T / l and the
-/// hinges' (k + k) / l^2 (D 2.2).
+/// hinges' (k + k) / l^2.
 void condense_tangents(const CompiledTrack& track, const DoublePinRows& rows, Workspace& work) {
   const double l = track.connector_length;
   const auto condense = [&](Field& field, const Lanes& pull) {

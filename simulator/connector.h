@@ -2,7 +2,7 @@
 #include "simulator/bushing_element.h"
 
 /// The double pin: a joint of two shoes through a rigid connector that carries a pin at each end, each pin in the
-/// rubber of its shoe's bore (D 2.2). Frames: the joint's middle stands half a pitch from either shoe's centre; the two
+/// rubber of its shoe's bore. Frames: the joint's middle stands half a pitch from either shoe's centre; the two
 /// pins stand half a connector length before and behind it, along the connector's x axis. Both bores are in the shoes,
 /// so that both bushings have the shoe as `own` and the connector as `next`; the rear one (in the shoe ahead) is seen
 /// in half-turned frames, which makes its x the tension too.

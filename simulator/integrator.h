@@ -1,6 +1,6 @@
 #pragma once
 
-/// Chung-Lee explicit integrator, variable-step slope form (Chung & Lee 1994, IJNME 37:3961; D 1.1, 1.4).
+/// Chung-Lee explicit integrator, variable-step slope form (Chung & Lee 1994, IJNME 37:3961).
 /// With f_n the acceleration at t_n, r = h_n / h_{n-1}:
 ///   v += h [(1 + r/2) f_n - (r/2) f_{n-1}]                      (second-order Adams-Bashforth)
 ///   d += h v_n + h^2 [f_n / 2 + (beta - 1/2) r (f_n - f_{n-1})]
@@ -16,7 +16,7 @@ struct StepWeights {
 };
 [[nodiscard]] StepWeights step_weights(double beta, double h, double previous_h);
 
-/// Factors of the embedded local error estimates (D 1.5): e_v = velocity |f_{n+1} - f_n - r (f_n - f_{n-1})|,
+/// Factors of the embedded local error estimates: e_v = velocity |f_{n+1} - f_n - r (f_n - f_{n-1})|,
 /// e_d = position max(r |f_n - f_{n-1}|, |f_{n+1} - f_n|).
 struct ErrorWeights {
   double ratio = 1.0;     ///< r
@@ -25,7 +25,7 @@ struct ErrorWeights {
 };
 [[nodiscard]] ErrorWeights error_weights(double beta, double h, double previous_h);
 
-/// Largest stable step of u'' + s1 u' + s2 u = 0: (4 beta - 3) s2 h^2 + 4 s1 h = 4 (D 1.2); s.
+/// Largest stable step of u'' + s1 u' + s2 u = 0: (4 beta - 3) s2 h^2 + 4 s1 h = 4; s.
 [[nodiscard]] double stable_step(double beta, double s2, double s1);
 
 }  // namespace grouser

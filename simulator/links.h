@@ -9,8 +9,8 @@ namespace grouser {
 void link_accelerations(const System& system, const AssemblyKnobs& knobs, const State& state, Workspace& work,
                         Acceleration& acceleration);
 
-/// Chung-Lee update of all links. Orientation: q <- q exp(dtheta) with dtheta from the position formula in body axes
-/// (D 1.3). Returns the largest turn of a link in the step [rad].
+/// Chung-Lee update of all links. Orientation: q <- q exp(dtheta) with dtheta from the position formula in body axes.
+/// Returns the largest turn of a link in the step [rad].
 double advance_links(const System& system, const StepWeights& weights, const State& now, const Acceleration& f_now,
                      const Acceleration& f_before, State& next);
 

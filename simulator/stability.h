@@ -5,7 +5,7 @@
 ///
 /// Over the root of the mass the motion about a state is u'' + C u' + K u = 0 with symmetric C, K >= 0. Chung-Lee is
 /// stable while no eigenvalue of A(h) = (4 beta - 3) h^2 K + 4 h C passes 4: for an eigenvector u of the step,
-/// k = u* K u and c = u* C u obey the equation of one degree of freedom, whose limit that is (D 1.2).
+/// k = u* K u and c = u* C u obey the equation of one degree of freedom, whose limit that is.
 /// A is a sum of squares k (g_a u_a - g_b u_b)^2, one an axis of a joint or a direction of a contact, each between two
 /// bodies. As (a - b)^2 <= (1 + e) a^2 + (1 + 1 / e) b^2 for any e > 0, A is at most a block diagonal with one block a
 /// body. Joints of equal links take e = 1: exact for an endless straight chain. Constraints make eigenvalues smaller

@@ -174,7 +174,7 @@ void Stepper::restart() {
   evaluate(system_, knobs, states_[1 - now_].history, 0.0, states_[now_], works_[now_], accelerations_[f_now_]);
   take_bound(works_[now_]);
   ++evaluations_;
-  accelerations_[f_before_] = accelerations_[f_now_];  // start f_{-1} = f_0 keeps the order (D 1.3)
+  accelerations_[f_before_] = accelerations_[f_now_];  // start f_{-1} = f_0 keeps the order
   const IntegratorOptions& options = system_.scenario.integrator;
   h_ = options.fixed_step > 0.0 ? options.fixed_step : std::min(options.max_step, 0.5 * stable_step_);
   previous_h_ = h_;

@@ -93,7 +93,7 @@ std::vector<SpringBlock> arrange_springs(std::span<const CompiledSuspension> spr
 }
 
 Strokes piston_strokes(const GasUnits& units, const Lanes& bump_angle) {
-  // Slider-crank s(phi) = r cos(phi) + sqrt(l^2 - r^2 sin^2(phi)) (D 4.2): the piston moves in as s falls.
+  // Slider-crank s(phi) = r cos(phi) + sqrt(l^2 - r^2 sin^2(phi)): the piston moves in as s falls.
   const SineCosine phi = sine_cosine(units.crank_angle + bump_angle);
   const Lanes aside = units.crank_radius * phi.sine, along = units.crank_radius * phi.cosine;
   const Lanes rod = (units.rod_length * units.rod_length - aside * aside).sqrt();

@@ -16,10 +16,10 @@ struct SpringMoments {
 /// Springs in the order given, eight a block.
 [[nodiscard]] std::vector<SpringBlock> arrange_springs(std::span<const CompiledSuspension> springs);
 
-/// Torsion bar: M = K (theta_f - theta), theta below horizontal (D 4.1), with bump and rebound stops.
+/// Torsion bar: M = K (theta_f - theta), theta below horizontal, with bump and rebound stops.
 /// Tensioner: the same law about the idler arm's pivot, free at `reference` of its side [rad], without stops.
-/// Hydropneumatic unit: gas p V^n through the slider-crank, orifice with blow-off in parallel, linear part
-/// (D 4.2, 4.3), with the same stops. At another gas temperature than it was charged at the same mass of gas rests,
+/// Hydropneumatic unit: gas p V^n through the slider-crank, orifice with blow-off in parallel, linear part,
+/// with the same stops. At another gas temperature than it was charged at the same mass of gas rests,
 /// under the design load, at p_s in the volume V_s T / T_charge (ideal gas); fast strokes follow p V^n from there.
 /// angle, rate of the joints about V's +y; results act on the arms.
 [[nodiscard]] SpringMoments spring_moments(const SpringBlock& springs, const std::array<double, k_num_sides>& reference,

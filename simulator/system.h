@@ -32,7 +32,7 @@ struct CompiledAxis {
   int first_branch = 0;  ///< row of the first branch in History::branch
 };
 
-/// Contact law with its rate coefficient a [s/m] solved from the restitution (D 5.1).
+/// Contact law with its rate coefficient a [s/m] solved from the restitution.
 struct CompiledContact {
   double stiffness = 0.0;
   double rate = 0.0;  ///< a in f = k delta (1 + a delta_dot)
@@ -168,7 +168,7 @@ struct System {
 [[nodiscard]] System compile_joint(const Bushing& bushing);
 
 /// Rate coefficient a [s/m] of f = k delta^n (1 + a delta_dot) with restitution e at impact speed v (exact for any n,
-/// k, m): (1 + e) a v = ln[(1 + a v) / (1 - e a v)]   (D 5.1).
+/// k, m): (1 + e) a v = ln[(1 + a v) / (1 - e a v)].
 [[nodiscard]] double rate_coefficient(double restitution, double speed);
 
 [[nodiscard]] CompiledSpring compile_spring(const SpringSpline& spring);

@@ -1,4 +1,4 @@
-// Closed forms of the elements (D 6.1, 6.4), measured by the code that measures rig data.
+// Closed forms of the elements, measured by the code that measures rig data.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -52,7 +52,7 @@ TEST(MaxwellBranch, HasTheLoopOfItsClosedForm) {
   law.branches = {{8.0e6, 0.02}};
   for (const double frequency : {1.0, 8.0, 60.0}) {
     const double omega = 2.0 * k_pi * frequency, c = 8.0e6 * 0.02, x = 0.3e-3;
-    const double energy = k_pi * c * omega * x * x / (1.0 + std::pow(omega * 0.02, 2));  // D 6.4
+    const double energy = k_pi * c * omega * x * x / (1.0 + std::pow(omega * 0.02, 2));
     const LoopMeasures loop = last_loop(law, x, frequency, 800);
     EXPECT_NEAR(loop.dissipated_energy, energy, 3e-5 * energy);  // chords: (2 pi / 800)^2 / 6 = 1e-5, twice
     EXPECT_NEAR(loop.equivalent_damping, energy / (k_pi * omega * x * x), 3e-5 * c);

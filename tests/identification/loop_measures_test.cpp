@@ -1,4 +1,4 @@
-// Loop measures of materials whose dynamic stiffness is known in closed form (D 6.1, 6.4).
+// Loop measures of materials whose dynamic stiffness is known in closed form.
 #include "identification/loop_measures.h"
 
 #include <gtest/gtest.h>

@@ -127,7 +127,7 @@ TEST(BergElement, BecomesStopsOnItsVirginCurve) {
 }
 
 TEST(BergElement, LosesNearlyTheClosedFormOfItsLoop) {
-  // D 6.4: F_max 2 kN, x_2 0.15 mm, x_0 0.5 mm: 1.3176 J a cycle.
+  // F_max 2 kN, x_2 0.15 mm, x_0 0.5 mm: 1.3176 J a cycle.
   const Bushing bushing =
       read(with_x_axis(std::string("{") + k_line +
                        R"(, "friction": [{"law": "berg", "force_max_N": 2000, "half_displacement_mm": 0.15}]})"));

@@ -24,7 +24,7 @@ TEST(ReferenceVehicle, WeighsWhatItShould) {
     joints += jointed;
     bodies += jointed + gear.track.num_links;
   }
-  EXPECT_DOUBLE_EQ(mass, 51100.0);  // D 3.3
+  EXPECT_DOUBLE_EQ(mass, 51100.0);
   EXPECT_EQ(bodies, 189);
   EXPECT_EQ(joints, 36);
   // 20 % of the weight in each track, stated to a tenth of a kilonewton.

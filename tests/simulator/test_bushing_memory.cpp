@@ -82,7 +82,7 @@ TEST(BushingMemory, StopsInParallelFollowMasingsRule) {
 }
 
 TEST(BushingMemory, MaxwellBranchHasItsComplexStiffness) {
-  // K* = i w c / (1 + i w c / k), loss per cycle pi c w X^2 / (1 + (w c / k)^2), c = k tau (D 6.4).
+  // K* = i w c / (1 + i w c / k), loss per cycle pi c w X^2 / (1 + (w c / k)^2), c = k tau.
   constexpr double k = 1e7, tau = 2e-3, c = k * tau, amplitude = 2e-4;
   Bushing bushing = no_bushing();
   bushing.axis(Axis::x).branches = {{k, tau}};

@@ -12,7 +12,7 @@ namespace {
 Quaterniond roll(double angle) { return Quaterniond(Eigen::AngleAxisd(angle, Vector3d::UnitX())); }
 
 TEST(ContactLaw, RateCoefficientGivesTheAskedRestitution) {
-  // a v over the restitution (D 5.1), inverted; five digits of the table.
+  // a v over the restitution, inverted; five digits of the table.
   const double table[][2] = {{0.01, 0.99338}, {0.1, 0.93748}, {0.2, 0.88219}, {0.5, 0.74843},
                              {1.0, 0.59362},  {2.0, 0.41072}, {5.0, 0.19698}, {10.0, 0.09998}};
   for (const auto& [av, e] : table) {

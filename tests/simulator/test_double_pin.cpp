@@ -7,7 +7,7 @@
 #include "simulator/connector.h"
 #include "tests/support/scenes.h"
 
-/// One joint of a double pin: two bushings in series through a massless connector (D 2.2).
+/// One joint of a double pin: two bushings in series through a massless connector.
 namespace grouser::test {
 namespace {
 

@@ -40,7 +40,7 @@ TEST(FreeChain, SpinningPolygonPullsWithTheClosedFormsForce) {
   constexpr double spin = 5.0, k = 1e8;
   const SpinningPolygon polygon(n, spin, 5e-5);
   const double pitch = polygon.system.tracks[0].pitch;
-  EXPECT_NEAR(polygon.force, 19862.94 * (1.0 + 19862.94 / (k * pitch)), 0.1);  // D 7.2 with the stretched pitch
+  EXPECT_NEAR(polygon.force, 19862.94 * (1.0 + 19862.94 / (k * pitch)), 0.1);  // with the stretched pitch
   Stepper stepper(polygon.system, polygon.start, {});
   // 1 km up a gap is known to 1e-13 m.
   EXPECT_LT(polygon.centripetal_error(stepper.acceleration()), 1e-5);

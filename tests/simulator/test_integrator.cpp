@@ -26,7 +26,7 @@ TEST(ChungLee, IsOfSecondOrderOnADampedDrivenOscillator) {
     int steps;
     double u, v;
   };
-  // Largest errors over 4 s, three digits, as published with the method's table (D 1.3).
+  // Largest errors over 4 s, three digits, as published with the method's table.
   for (const Row& row : {Row{400, 6.62e-4, 7.51e-3}, Row{800, 1.618e-4, 1.884e-3}, Row{1600, 3.997e-5, 4.720e-4},
                          Row{3200, 9.934e-6, 1.181e-4}, Row{6400, 2.476e-6, 2.954e-5}}) {
     ScalarRun run(
@@ -48,7 +48,7 @@ struct StabilityRow {
   std::array<double, 12> limit;
 };
 constexpr std::array<double, 12> k_damping{0.0, 0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 2.0, 5.0};
-// Largest stable omega h over damping ratio (D 1.2, Table 2).
+// Largest stable omega h over damping ratio.
 constexpr StabilityRow k_stability[] = {
     {1.0, {2.0000, 1.9604, 1.9216, 1.8100, 1.6396, 1.3541, 1.1324, 0.8284, 0.6409, 0.4721, 0.2462, 0.0998}},
     {1.02, {1.9245, 1.8878, 1.8519, 1.7482, 1.5894, 1.3214, 1.1111, 0.8189, 0.6362, 0.4702, 0.2459, 0.0997}},
@@ -85,7 +85,7 @@ struct Vector {
 };
 
 TEST(ChungLee, FollowsTheExactTrajectoriesToRoundOff) {
-  // omega = 1, u0 = 1, v0 = 0, h = 0.1, computed in rational arithmetic (D 1.2, Table 4).
+  // omega = 1, u0 = 1, v0 = 0, h = 0.1, computed in rational arithmetic.
   for (const Vector& known :
        {Vector{1.0, 0.0, 1, 0.995, -0.1}, Vector{1.0, 0.0, 2, 0.98005, -0.19925},
         Vector{1.0, 0.0, 3, 0.9552995, -0.2965075}, Vector{1.0, 0.0, 6, 0.8251942694005, -0.5667569329925},
@@ -131,7 +131,7 @@ TEST(ChungLee, AlternatingStepsKeepTheSecondOrder) {
     }
     return std::abs(run.u - exact.at(4.0).u);
   };
-  // The form with constant coefficients is of first order here (D 1.4): its ratio would be 2.
+  // The form with constant coefficients is of first order here: its ratio would be 2.
   EXPECT_NEAR(error(1600) / error(3200), 4.0, 0.1);
 }
 
@@ -174,7 +174,7 @@ TEST(ChungLee, TurnsATorqueFreeTopAtSecondOrder) {
     int steps;
     double error;
   };
-  for (const Row& row : {Row{250, 3.68e-4}, Row{500, 9.08e-5}, Row{1000, 2.26e-5}, Row{2000, 5.62e-6}}) {  // D 1.3
+  for (const Row& row : {Row{250, 3.68e-4}, Row{500, 9.08e-5}, Row{1000, 2.26e-5}, Row{2000, 5.62e-6}}) {
     const Quaterniond q = spin_top(inertia, spin, 5.0, row.steps).orientation;
     EXPECT_NEAR(quaternion_distance(q, exact) / row.error, 1.0, 0.02) << row.steps << " steps";
     EXPECT_NEAR(q.norm(), 1.0, 1e-14);

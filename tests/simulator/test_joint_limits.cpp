@@ -133,7 +133,7 @@ TEST(JointLimits, SpinningPolygonOfWornJointsIsLongerByTheirPlay) {
   const Stepper stepper(system, state, {});
   for (int i = 0; i < n; ++i) {
     const Vector3d wanted = -spin * spin * (get_link(state, i).position - far_from_chassis());
-    EXPECT_LT((get_vector(stepper.acceleration().linear, i) - wanted).norm(), 1e-5);  // 1e-13 m of 1 km, D 7.2
+    EXPECT_LT((get_vector(stepper.acceleration().linear, i) - wanted).norm(), 1e-5);  // 1e-13 m of 1 km
   }
 }
 

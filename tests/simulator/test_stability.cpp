@@ -32,7 +32,7 @@ TEST(StableStep, TakesEigenvaluesNeverTooSmall) {
   }
 }
 
-/// D 1.6: an endless straight chain, stiffness k along x and z, links of mass m, moment of inertia J and pitch p, has
+/// An endless straight chain, stiffness k along x and z, links of mass m, moment of inertia J and pitch p, has
 /// its highest frequency at omega^2 = k max(4 / m, p^2 / J).
 TEST(StableStep, IsExactForAStraightChain) {
   const System& system = reference_scene().system;

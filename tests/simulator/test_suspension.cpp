@@ -64,7 +64,7 @@ TEST(Suspension, SpringsOfEveryKindSideBySideActAsTheyDoAlone) {
 }
 
 TEST(TorsionBar, CarriesTheWheelLoadOfTheDesignTable) {
-  // D 4.1: 15.813 kN m at 25 degrees, 38.77 kN at the wheel, 256.3 kN/m, droop of 0.117 m to the free angle.
+  // 15.813 kN m at 25 degrees, 38.77 kN at the wheel, 256.3 kN/m, droop of 0.117 m to the free angle.
   const CompiledSuspension s = torsion_bar();
   EXPECT_NEAR(-station_moment(s, 0.0, 0.0).moment, 15813.0, 3.0);  // free angle given to 0.01 degree
   EXPECT_NEAR(wheel_force(s, 0.0), 38770.0, 10.0);
@@ -101,7 +101,7 @@ TEST(Hydropneumatic, CarriesTheSameLoadAndStiffensAlongPVn) {
 }
 
 TEST(Hydropneumatic, FollowsTheTravelTableOfAConstantLever) {
-  // D 4.2: lever 0.12 m throughout, wheel force [kN] over the wheel's rise [m]. A crank on a very long rod keeps that
+  // Lever 0.12 m throughout, wheel force [kN] over the wheel's rise [m]. A crank on a very long rod keeps that
   // lever to 1 - cos(bump): 2 % within 10 degrees, 6 % at 20.
   CompiledSuspension s = gas_unit();
   s.unit.rod_length = 100.0;
@@ -116,7 +116,7 @@ TEST(Hydropneumatic, FollowsTheTravelTableOfAConstantLever) {
 }
 
 TEST(Hydropneumatic, CarriesItsLoadOnAVolumeProportionalToTheTemperature) {
-  // D 4.2: the same mass of ideal gas. Where the unit carries the design load at another temperature, its gas fills
+  // The same mass of ideal gas. Where the unit carries the design load at another temperature, its gas fills
   // V_s T / T_charge at p_s.
   const CompiledSuspension cold = gas_unit();
   for (const double temperature : {253.15, 293.15, 353.15}) {  // -20, 20, 80 degC

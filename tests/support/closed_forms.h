@@ -33,7 +33,7 @@ struct Oscillator {
   }
 };
 
-/// Left side less right side of the restitution relation (1 + e) a v = ln[(1 + a v) / (1 - e a v)] (D 5.1).
+/// Left side less right side of the restitution relation (1 + e) a v = ln[(1 + a v) / (1 - e a v)].
 inline double restitution_defect(double e, double av) { return (1.0 + e) * av - std::log((1.0 + av) / (1.0 - e * av)); }
 
 /// Area of the loop of a stop whose yield is r(x) = r (1 + b x^2), |dr/dx| < 1, at the amplitude X: it leaves the turn
@@ -47,7 +47,7 @@ inline double growing_stop_area(double k, double r, double b, double amplitude) 
   return 2.0 * k * (primitive(amplitude) - primitive(meets));
 }
 
-/// Joint force of a free closed chain of n rigid links turning at w, joints of isotropic stiffness k (D 7.2, with the
+/// Joint force of a free closed chain of n rigid links turning at w, joints of isotropic stiffness k (with the
 /// joint's own gap: centre radius p / (2 tan) + s / (2 sin), s = T / k).
 inline double spinning_polygon_force(int n, double pitch, double mass, double w, double k) {
   const double half = k_pi / n, mw2 = mass * w * w;
@@ -83,7 +83,7 @@ inline double hanging_chain_force(int n, double pitch, double link_weight, doubl
   }
   return 0.5 * (low + high);
 }
-/// Sag of an inextensible catenary of weight w a metre: a (cosh(L / 2a) - 1), a = H / w (D 7.2).
+/// Sag of an inextensible catenary of weight w a metre: a (cosh(L / 2a) - 1), a = H / w.
 inline double catenary_sag(double span, double horizontal, double weight_per_length) {
   const double a = horizontal / weight_per_length;
   return 2.0 * a * std::pow(std::sinh(0.25 * span / a), 2);
@@ -112,7 +112,7 @@ inline TautChain taut_chain(int n, double pitch, double mass, double inertia, do
 }
 
 /// Vibration along a row of n masses between two held ones: 2 sqrt(k/m) sin(j pi / (2 (n + 1))), j = 1..n; a closed row
-/// of 2 (n + 1) masses has the same ones (D 7.2).
+/// of 2 (n + 1) masses has the same ones.
 inline double longitudinal_frequency(int n, int j, double k, double mass) {
   return 2.0 * std::sqrt(k / mass) * std::sin(0.5 * k_pi * j / (n + 1));
 }

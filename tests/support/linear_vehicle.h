@@ -13,7 +13,7 @@ struct LinearVehicle {
 };
 [[nodiscard]] LinearVehicle linearise(const System& system, const AssemblyKnobs& knobs, const State& state, Side side);
 
-/// Step at which (4 beta - 3) h^2 K + 4 h C first has the eigenvalue 4 (D 1.2) [s].
+/// Step at which (4 beta - 3) h^2 K + 4 h C first has the eigenvalue 4 [s].
 [[nodiscard]] double largest_stable_step(const LinearVehicle& vehicle, double beta);
 
 }  // namespace grouser::test

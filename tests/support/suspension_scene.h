@@ -3,7 +3,7 @@
 
 #include "simulator/suspension.h"
 
-/// The torsion bar and the gas unit of a 51 t vehicle, an arm of 0.45 m at 25 degrees below horizontal (D 4.1, 4.2).
+/// The torsion bar and the gas unit of a 51 t vehicle, an arm of 0.45 m at 25 degrees below horizontal.
 namespace grouser::test {
 
 inline constexpr double k_degree = k_pi / 180.0;
