@@ -204,6 +204,48 @@ def hostile_channels(part, confined):
     part.row("channels called like paths or commands, exported", len(names), "all inside the output folder")
 
 
+# Command with {out} -> what stands in its output folder as a link: what is refused (files in the making, folders), and results, whose place
+# is taken.
+LINKED = {
+    ("simulate", os.path.join(DATA, "scenarios/m113.json"), "-o", "{out}", "--set", "duration_s=0.02", "--set", "assembly.settle_time_s=2.6"):
+        (["run.h5.part", "run.json.part", "inputs", "inputs/vehicle.json.part"], ["run.h5", "run.json", "checkpoint", "inputs/vehicle.json"]),
+    ("identify", "rig/rig.json", "-o", "{out}"): (["bushing.json.part", "draws"], ["fit.json", "draws.part"]),
+    ("render", "run", "--frames", "--size", "96x54", "--fps", "20", "-o", "{out}"):
+        (["frame_000001.png.part", ".frames.part", ".frames.lock"], ["frame_000001.png", ".frames"]),
+    ("render", "run", "--film", "film.mp4", "--size", "96x54", "--fps", "20", "-o", "{out}"):
+        ([".film.stretches", ".film.partial.mp4", ".film.stretches/stretch_0000.mp4"], ["film.mp4"]),
+    ("report", "fit", "-o", "{out}/report.html"): (["report.html.part", "report.json.part"], ["report.html", "report.json"]),
+    ("export", "run", "-o", "{out}"): (["time.csv.part"], ["time.csv"]),
+}
+
+
+def hostile_links(part, confined):
+    """Output folders of another's making: nothing is written, cut or removed where their links lead."""
+    outside, tried, refused = os.path.join(confined.folder, "outside"), 0, 0
+    for arguments, (refusals, results) in LINKED.items():
+        for link in refusals + results:
+            out = os.path.join(confined.folder, f"linked_{tried}")
+            place = os.path.join(out, link)
+            os.makedirs(os.path.dirname(place))
+            os.makedirs(os.path.join(outside, "folder"))
+            for name in ("file", "folder/file"):
+                with open(os.path.join(outside, name), "w", encoding="utf-8") as file:
+                    file.write("of a user")
+            is_folder = link in ("inputs", ".film.stretches", "draws", "draws.part")
+            os.symlink(os.path.join(outside, "folder" if is_folder else "file"), place)
+            done = subprocess.run([COMMAND, *(word.format(out=out) for word in arguments)], cwd=confined.folder, capture_output=True, text=True)
+            what = f"{arguments[0]} with {link} a link"
+            part.require(done.returncode == (5 if link in refusals else 0), f"{what}: ended with {done.returncode}: {done.stderr[-300:]}")
+            part.require(tree(outside) == {"file", "folder", "folder/file"}, f"{what}: outside there is {sorted(tree(outside))}")
+            for name in ("file", "folder/file"):
+                with open(os.path.join(outside, name), encoding="utf-8") as file:
+                    part.require(file.read() == "of a user", f"{what}: wrote into what the link leads to")
+            shutil.rmtree(outside)
+            tried, refused = tried + 1, refused + (link in refusals)
+    part.row("symbolic links in an output folder, in the place of results and of files in the making", tried,
+             f"nothing touched where they lead: {refused} refused, the place of {tried - refused} taken")
+
+
 def tree(folder):
     return {os.path.relpath(os.path.join(root, name), folder)
             for root, folders, files in os.walk(folder) for name in folders + files}
@@ -223,6 +265,7 @@ def work(part, thorough):
         pipeline(part, confined, thorough)
         hostile_names(part, confined)
         hostile_channels(part, confined)
+        hostile_links(part, confined)
     finally:
         shutil.rmtree(folder)
 

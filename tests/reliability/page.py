@@ -25,8 +25,8 @@ first loss, crash or difference. The suite runs each part in a short form; this 
 tests/reliability/page.py --run build/release
 ```
 
-runs all of them and writes this page again. One alone: the command under its heading, with
-`GROUSER_SOURCE_DIR=$PWD GROUSER_COMMAND=$PWD/build/release/grouser` set.
+runs all of them and writes this page again, or none if one fails. It needs what `.ci/run` installs, and `valgrind`. One alone: the command
+under its heading, with `GROUSER_SOURCE_DIR=$PWD GROUSER_COMMAND=$PWD/build/release/grouser` set. Below it stands which commit was measured.
 """
 
 
@@ -55,6 +55,7 @@ def shown(part):
 
 def section(part):
     lines = [f"\n## {part['title']}\n", shown(part["part"])]
+    lines.append("Measured on {on} at {at}, {cores} cores, in {minutes:g} min.\n".format(**part["measured"]))
     if part["rows"]:
         lines += ["| what | count | result |", "| --- | ---: | --- |"]
         lines += [f"| {cell(row['what'])} | {number(row['count'])} | {cell(row['result'])} |" for row in part["rows"]]

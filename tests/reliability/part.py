@@ -1,8 +1,28 @@
 """The frame of a part: PART.py [--thorough] [-o FILE.json]; exit code 1 on any failure, rows of counted results for the page."""
 
 import argparse
+import datetime
 import json
+import os
+import subprocess
 import sys
+import time
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+
+
+def measured(begun):
+    """When and of what the figures are: the page holds those of several runs."""
+    described = subprocess.run(["git", "-C", HERE, "describe", "--always", "--dirty", "--abbrev=10"], capture_output=True, text=True,
+                               check=False)
+    return {"on": datetime.date.today().isoformat(), "at": described.stdout.strip() or "unknown", "cores": os.cpu_count(),
+            "minutes": round((time.monotonic() - begun) / 60.0, 1)}
+
+
+def save(page, begun, path):
+    """Writes what page.py makes a section of; `begun` is of time.monotonic()."""
+    with open(path, "w", encoding="utf-8") as file:
+        json.dump({**page, "measured": measured(begun)}, file, indent=1)
 
 
 class Part:
@@ -33,6 +53,7 @@ def main(name, title, work):
     parser.add_argument("--thorough", action="store_true", help="the long form, whose figures go on the page")
     parser.add_argument("-o", metavar="FILE.json", help="where the rows of the page go")
     options = parser.parse_args()
+    begun = time.monotonic()
     if isinstance(title, str):
         part = Part(name, title)
         work(part, options.thorough)
@@ -42,5 +63,4 @@ def main(name, title, work):
     if part.failures:
         sys.exit(f"{len(part.failures)} failures")
     if options.o:
-        with open(options.o, "w", encoding="utf-8") as file:
-            json.dump(part.page, file, indent=1)
+        save(part.page, begun, options.o)
