@@ -238,8 +238,8 @@ def hostile_links(part, confined):
             part.require(done.returncode == (5 if link in refusals else 0), f"{what}: ended with {done.returncode}: {done.stderr[-300:]}")
             part.require(tree(outside) == {"file", "folder", "folder/file"}, f"{what}: outside there is {sorted(tree(outside))}")
             for name in ("file", "folder/file"):
-                with open(os.path.join(outside, name), encoding="utf-8") as file:
-                    part.require(file.read() == "of a user", f"{what}: wrote into what the link leads to")
+                with open(os.path.join(outside, name), "rb") as file:
+                    part.require(file.read() == b"of a user", f"{what}: wrote into what the link leads to")
             shutil.rmtree(outside)
             tried, refused = tried + 1, refused + (link in refusals)
     part.row("symbolic links in an output folder, in the place of results and of files in the making", tried,
