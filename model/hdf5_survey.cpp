@@ -203,8 +203,9 @@ herr_t visit_object(hid_t file, const char* name, const H5O_info_t* info, void* 
   return fault.empty() ? 0 : 1;
 }
 
-/// What is wrong with the file; empty for nothing.
-std::string fault_of(const std::filesystem::path& path) {
+}  // namespace
+
+std::string fault_of_hdf5(const std::filesystem::path& path) {
   silence_hdf5();
   const Hdf5Handle file = open_hdf5(path);
   if (!file) return "no HDF5 file, or one that is cut short or damaged";
@@ -218,6 +219,8 @@ std::string fault_of(const std::filesystem::path& path) {
   if (survey.fault.empty() && !objects) return "a damaged HDF5 file";
   return survey.fault;
 }
+
+namespace {
 
 /// May crash, at no cost to the program.
 void prepare_for_the_worst(const std::filesystem::path& file) {
@@ -246,7 +249,7 @@ void prepare_for_the_worst(const std::filesystem::path& file) {
   prepare_for_the_worst(file);
   std::string fault;
   try {
-    fault = fault_of(file);
+    fault = fault_of_hdf5(file);
   } catch (const std::exception&) {  // std::bad_alloc: a size that the file only claims
     fault = "a size that does not fit into memory";
   }
