@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <array>
@@ -73,15 +74,16 @@ Shape shape_of(hid_t space, std::string& fault) {
   return shape;
 }
 
-/// Bytes of one chunk; 0 where the dataset is not chunked. A fault names what a run never has.
-hsize_t chunk_bytes(hid_t creation, hsize_t value_size, int rank, std::string& fault) {
+/// Bytes of one chunk, and its lengths; 0 where the dataset is not chunked. A fault names what a run never has.
+hsize_t chunk_bytes(hid_t creation, hsize_t value_size, int rank, std::array<hsize_t, k_most_dimensions>& chunk,
+                    std::string& fault) {
   if (H5Pget_external_count(creation) != 0) fault = "stores its values in another file";
   const H5D_layout_t layout = H5Pget_layout(creation);
   if (layout == H5D_CONTIGUOUS || layout == H5D_COMPACT) return 0;
-  std::array<hsize_t, k_most_dimensions> chunk{};
   if (layout != H5D_CHUNKED || H5Pget_chunk(creation, rank, chunk.data()) != rank) fault = "is no stored dataset";
   hsize_t bytes = value_size;
   for (int i = 0; i < rank && fault.empty(); ++i) {
+    if (chunk[static_cast<std::size_t>(i)] == 0) fault = "has chunks without values";
     const bool fits = !__builtin_mul_overflow(bytes, chunk[static_cast<std::size_t>(i)], &bytes);
     if (!fits || bytes > k_most_chunk_bytes)
       fault = "has chunks above " + std::to_string(k_most_chunk_bytes >> 20) + " MB";
@@ -89,18 +91,83 @@ hsize_t chunk_bytes(hid_t creation, hsize_t value_size, int rank, std::string& f
   return bytes;
 }
 
-bool is_deflated(hid_t creation, std::string& fault) {
-  bool deflated = false;
-  for (int i = 0; i < H5Pget_nfilters(creation); ++i) {
+struct Filters {
+  int count = 0, deflating = 0;
+};
+
+Filters filters_of(hid_t creation, std::string& fault) {
+  Filters filters{H5Pget_nfilters(creation)};
+  for (int i = 0; i < filters.count; ++i) {
     unsigned flags = 0, configuration = 0;
     std::size_t no_values = 0;
     const H5Z_filter_t filter =
         H5Pget_filter2(creation, static_cast<unsigned>(i), &flags, &no_values, nullptr, 0, nullptr, &configuration);
-    deflated = deflated || filter == H5Z_FILTER_DEFLATE;
+    if (filter == H5Z_FILTER_DEFLATE) ++filters.deflating;
     if (filter != H5Z_FILTER_DEFLATE && filter != H5Z_FILTER_SHUFFLE)
       fault = "passes a filter other than shuffle and gzip";
   }
-  return deflated;
+  if (filters.deflating > 1) fault = "passes gzip more than once";
+  return filters;
+}
+
+/// A dataset of chunks, all of which its claims say are there.
+struct Chunks {
+  hid_t set, space;
+  std::array<hsize_t, k_most_dimensions> length{};
+  hsize_t bytes = 0;  ///< of one
+  hsize_t count = 0;
+};
+
+/// Without a filter only the index of old files states a size for each chunk. No run has one: HDF5 seeks each from the
+/// index's begin.
+bool plain_chunks_are_whole(const Chunks& chunks) {
+  H5D_chunk_index_t index{};
+  if (H5Dget_chunk_index_type(chunks.set, &index) < 0) return false;
+  for (hsize_t i = 0; index == H5D_CHUNK_IDX_BTREE && i < chunks.count; ++i) {
+    hsize_t size = 0;
+    if (H5Dget_chunk_info(chunks.set, chunks.space, i, nullptr, nullptr, nullptr, &size) < 0) return false;
+    if (size != chunks.bytes) return false;
+  }
+  return true;
+}
+
+/// Whether a chunk, packed as it is stored, is one to the byte. Both buffers are for use again.
+bool unpacks_whole(const Chunks& chunks, const hsize_t* offset, bool deflated, std::vector<unsigned char>& packed,
+                   std::vector<unsigned char>& plain) {
+  hsize_t size = 0;
+  std::uint32_t filters_left_out = 0;
+  if (H5Dget_chunk_storage_size(chunks.set, offset, &size) < 0 || size > compressBound(chunks.bytes)) return false;
+  if (!deflated) return size == chunks.bytes;
+  packed.resize(size);
+  plain.resize(chunks.bytes);
+  uLongf length = plain.size();
+  return size > 0 && H5Dread_chunk(chunks.set, H5P_DEFAULT, offset, &filters_left_out, packed.data()) >= 0 &&
+         filters_left_out == 0 && uncompress(plain.data(), &length, packed.data(), packed.size()) == Z_OK &&
+         length == chunks.bytes;
+}
+
+/// Goes to the next chunk, row by row; false behind the last.
+bool next_chunk(const Chunks& chunks, const Shape& shape, std::array<hsize_t, k_most_dimensions>& offset) {
+  for (auto i = static_cast<std::size_t>(shape.rank); i-- > 0;) {
+    offset[i] += chunks.length[i];
+    if (offset[i] < shape.length[i]) return true;
+    offset[i] = 0;
+  }
+  return false;
+}
+
+/// HDF5 takes whatever a chunk unpacks to for the whole chunk, and reads past the end of what is less.
+void survey_chunks(const Chunks& chunks, const Shape& shape, const Filters& filters, std::string& fault) {
+  if (filters.count == 0) {
+    if (!plain_chunks_are_whole(chunks)) fault = "has chunks that are cut short";
+    return;
+  }
+  std::vector<unsigned char> packed, plain;
+  std::array<hsize_t, k_most_dimensions> offset{};
+  bool more = shape.values > 0;
+  for (; more && fault.empty(); more = next_chunk(chunks, shape, offset)) {
+    if (!unpacks_whole(chunks, offset.data(), filters.deflating > 0, packed, plain)) fault = "cannot be unpacked";
+  }
 }
 
 void read_texts(hid_t set, hid_t space, hsize_t count, std::string& fault) {
@@ -113,24 +180,6 @@ void read_texts(hid_t set, hid_t space, hsize_t count, std::string& fault) {
   if (count == 0) return;
   if (H5Dread(set, type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, texts.data()) < 0) fault = "has texts that cannot be read";
   H5Dvlen_reclaim(type.id(), space, H5P_DEFAULT, texts.data());
-}
-
-/// Reads a deflated dataset once, a block of rows after the other: only reading shows what a chunk unpacks to.
-void read_through(hid_t set, hid_t space, const Shape& shape, std::string& fault) {
-  if (shape.values == 0) return;
-  const hsize_t rows = shape.length[0], row_size = shape.values / rows;
-  constexpr hsize_t k_block_values = 1 << 20;
-  std::vector<double> values;
-  std::array<hsize_t, k_most_dimensions> start{}, part = shape.length;
-  for (hsize_t first = 0; first < rows && fault.empty(); first += part[0]) {
-    start[0] = first;
-    part[0] = std::min(rows - first, std::max<hsize_t>(1, k_block_values / row_size));
-    values.resize(part[0] * row_size);
-    const Hdf5Handle memory(H5Screate_simple(shape.rank, part.data(), nullptr), H5Sclose);
-    H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, part.data(), nullptr);
-    if (H5Dread(set, H5T_NATIVE_DOUBLE, memory.id(), space, H5P_DEFAULT, values.data()) < 0)
-      fault = "cannot be unpacked";
-  }
 }
 
 void survey_unit(hid_t set, std::string& fault) {
@@ -172,21 +221,21 @@ void survey_dataset(hid_t set, Survey& survey, std::string& fault) {
   const Shape shape = shape_of(space.id(), fault);
   const hsize_t count = shape.values, value_size = H5Tget_size(type.id());
   if (!fault.empty()) return;
-  const hsize_t chunk = chunk_bytes(creation.id(), value_size, shape.rank, fault);
-  const bool deflated = is_deflated(creation.id(), fault);
-  hsize_t chunks = 0;
-  if (fault.empty() && chunk > 0 && H5Dget_num_chunks(set, space.id(), &chunks) < 0)
+  Chunks chunks{set, space.id()};
+  chunks.bytes = chunk_bytes(creation.id(), value_size, shape.rank, chunks.length, fault);
+  const Filters filters = filters_of(creation.id(), fault);
+  if (fault.empty() && chunks.bytes > 0 && H5Dget_num_chunks(set, space.id(), &chunks.count) < 0)
     fault = "has an index that cannot be read";
   const hsize_t stored = H5Dget_storage_size(set);
-  if (fault.empty() && (count / (deflated ? k_most_deflated : 1) > stored / value_size ||
-                        (chunk > 0 && count > chunks * (chunk / value_size)))) {
+  if (fault.empty() && (count / (filters.deflating > 0 ? k_most_deflated : 1) > stored / value_size ||
+                        (chunks.bytes > 0 && count > chunks.count * (chunks.bytes / value_size)))) {
     fault = "claims " + std::to_string(count) + " values, of which " + std::to_string(stored) + " bytes are stored";
   }
   if (fault.empty()) add_claim(survey, count, stored, fault);
+  if (fault.empty() && chunks.bytes > 0) survey_chunks(chunks, shape, filters, fault);
   if (!fault.empty()) return;
   survey_unit(set, fault);
   if (texts) read_texts(set, space.id(), count, fault);
-  if (!texts && deflated) read_through(set, space.id(), shape, fault);
 }
 
 herr_t visit_object(hid_t file, const char* name, const H5O_info_t* info, void* data) {
@@ -203,8 +252,9 @@ herr_t visit_object(hid_t file, const char* name, const H5O_info_t* info, void* 
   return fault.empty() ? 0 : 1;
 }
 
-/// What is wrong with the file; empty for nothing.
-std::string fault_of(const std::filesystem::path& path) {
+}  // namespace
+
+std::string fault_of_hdf5(const std::filesystem::path& path) {
   silence_hdf5();
   const Hdf5Handle file = open_hdf5(path);
   if (!file) return "no HDF5 file, or one that is cut short or damaged";
@@ -218,6 +268,8 @@ std::string fault_of(const std::filesystem::path& path) {
   if (survey.fault.empty() && !objects) return "a damaged HDF5 file";
   return survey.fault;
 }
+
+namespace {
 
 /// May crash, at no cost to the program.
 void prepare_for_the_worst(const std::filesystem::path& file) {
@@ -246,7 +298,7 @@ void prepare_for_the_worst(const std::filesystem::path& file) {
   prepare_for_the_worst(file);
   std::string fault;
   try {
-    fault = fault_of(file);
+    fault = fault_of_hdf5(file);
   } catch (const std::exception&) {  // std::bad_alloc: a size that the file only claims
     fault = "a size that does not fit into memory";
   }

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <string>
 
 namespace grouser {
 
@@ -7,7 +8,10 @@ namespace grouser {
 /// itself crashes on some such files, reads whatever file they name, and allocates whatever size they claim. So the
 /// file's whole structure is read once in a process of its own that may crash, with a limit on memory and time; and
 /// only what cannot lead further is let through: plain datasets of 32- or 64-bit numbers and texts, stored in the file
-/// itself, chunks of sane size, no more values than the bytes stored can hold.
+/// itself, chunks of sane size that are whole to the byte, no more values than the bytes stored can hold.
 void survey_hdf5(const std::filesystem::path& file);
+
+/// What that process finds wrong with the file, empty for nothing; here, HDF5 may crash the caller: for the fuzzer.
+[[nodiscard]] std::string fault_of_hdf5(const std::filesystem::path& file);
 
 }  // namespace grouser

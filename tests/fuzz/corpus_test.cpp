@@ -29,6 +29,7 @@ TEST(FuzzCorpus, OfJsonIsReadOrRefused) { replay("json", json_entry); }
 TEST(FuzzCorpus, OfCsvIsReadOrRefused) { replay("csv", csv_entry); }
 TEST(FuzzCorpus, OfHdf5IsReadOrRefused) { replay("hdf5", hdf5_entry); }
 TEST(FuzzCorpus, OfReportsIsWrittenOrRefused) { replay("report", report_entry); }
+TEST(FuzzCorpus, OfRunReportsIsWrittenOrRefused) { replay("run_report", run_report_entry); }
 
 }  // namespace
 }  // namespace grouser::fuzz

@@ -5,6 +5,7 @@
 #include "model/check.h"
 #include "model/csv.h"
 #include "model/errors.h"
+#include "model/hdf5_survey.h"
 #include "model/rig.h"
 #include "model/run_columns.h"
 #include "model/scenario.h"
@@ -88,6 +89,7 @@ void csv_entry(std::string_view input) {
 void hdf5_entry(std::string_view input) {
   static const TemporaryFolder folder;
   const std::filesystem::path file = folder.write("run.h5", std::string(input));
+  if (!fault_of_hdf5(file).empty()) return;
   allow_refusal([&] {
     const RunReader run(file);
     for (const std::string& dataset : run.datasets()) {

@@ -1,4 +1,4 @@
-/// One of the programs fuzz_json, fuzz_csv, fuzz_hdf5 and fuzz_report: GROUSER_FUZZ_ENTRY names what it feeds.
+/// Each of the programs fuzz_*: GROUSER_FUZZ_ENTRY names what it feeds.
 #include <cstddef>
 #include <cstdint>
 

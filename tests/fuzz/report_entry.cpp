@@ -2,8 +2,10 @@
 
 #include "model/errors.h"
 #include "model/provenance.h"
+#include "model/run.h"
 #include "reports/report.h"
 #include "tests/fuzz/entries.h"
+#include "tests/support/mock_inputs.h"
 #include "tests/support/mock_run.h"
 #include "tests/support/temporary_folder.h"
 
@@ -25,6 +27,11 @@ struct Subject {
 };
 
 void fill_fit(const std::filesystem::path& folder) { mock::write_fit_folder(folder); }
+
+void fill_run(const std::filesystem::path& folder) {
+  mock::write_inputs(folder, {});
+  RunWriter(folder / "run.h5", {}, {{"/joints/names", {"left/sprocket"}}}).close();
+}
 
 void leave_empty(const std::filesystem::path&) {}
 
@@ -48,6 +55,11 @@ void try_on(const Subject& subject, std::string_view input) {
 void report_entry(std::string_view input) {
   static const Subject fit("fit.json", fill_fit), replay("replay.json", leave_empty);
   try_on(input.find("grouser.replay/") == std::string_view::npos ? fit : replay, input);
+}
+
+void run_report_entry(std::string_view input) {
+  static const Subject run("run.json", fill_run);
+  try_on(run, input);
 }
 
 }  // namespace grouser::fuzz
