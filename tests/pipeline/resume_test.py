@@ -11,10 +11,10 @@ import unittest
 
 import h5py
 
-from command import CLOCK, COMMAND, DATA, run
+from checkpoint import RICH_RUN, memory_of, missing_memory
+from command import CLOCK, COMMAND, run
 
-SCENARIO = os.path.join(DATA, "scenarios/m113.json")
-OPTIONS = ["--set", "duration_s=2.6", "--set", "assembly.settle_time_s=2.6"]  # a quick settling
+SIMULATE = ["simulate", *RICH_RUN, "-o", "run", "--set", "duration_s=3.1"]  # two checkpoints on the way
 
 
 def datasets(folder):
@@ -43,7 +43,7 @@ class Resume(unittest.TestCase):
         cls.whole = os.path.join(cls.temporary.name, "whole")
         os.mkdir(cls.whole)
         started = time.monotonic()
-        run("simulate", SCENARIO, "-o", "run", *OPTIONS, cwd=cls.whole)
+        run(*SIMULATE, cwd=cls.whole)
         cls.patience = 20 * (time.monotonic() - started)  # s; a loaded machine is slower, but not twenty times
 
     @classmethod
@@ -56,8 +56,7 @@ class Resume(unittest.TestCase):
         return path
 
     def start(self, folder, *more):
-        return subprocess.Popen([COMMAND, "simulate", SCENARIO, "-o", "run", *OPTIONS, *more], cwd=folder,
-                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        return subprocess.Popen([COMMAND, *SIMULATE, *more], cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
     def wait_for_checkpoint(self, folder, process):
         give_up = time.monotonic() + self.patience
@@ -74,13 +73,13 @@ class Resume(unittest.TestCase):
         return process.wait()
 
     def refusal(self, folder, *options):
-        done = subprocess.run([COMMAND, "simulate", SCENARIO, "-o", "run", *(options or OPTIONS), "--resume"],
-                              cwd=folder, capture_output=True, text=True)
+        done = subprocess.run([COMMAND, *SIMULATE, *options, "--resume"], cwd=folder, capture_output=True, text=True)
         self.assertEqual(done.returncode, 3, done.stderr)
         return done.stderr
 
     def compare(self, folder):
-        run("simulate", SCENARIO, "-o", "run", *OPTIONS, "--resume", cwd=folder)
+        self.assertEqual(missing_memory(os.path.join(folder, "run", "checkpoint")), [])
+        run(*SIMULATE, "--resume", cwd=folder)
         one, two = datasets(os.path.join(self.whole, "run")), datasets(os.path.join(folder, "run"))
         self.assertEqual(set(one), set(two))
         self.assertGreater(len(one), 70)
@@ -96,7 +95,10 @@ class Resume(unittest.TestCase):
             time.sleep(chance.uniform(0.0, 0.3))
             process.kill()
             process.wait()
+        file, last = (os.path.join(place, "run", "checkpoint") for place in (folder, self.whole))
+        self.assertLess(memory_of(file)["time"], memory_of(last)["time"])
         self.compare(folder)
+        self.assertEqual(memory_of(file)["all"], memory_of(last)["all"])  # of rubber, ground, integrator and recorder, far behind
 
     def test_an_interrupted_run_goes_on_where_it_stopped(self):
         folder = self.folder("interrupted")
@@ -110,7 +112,7 @@ class Resume(unittest.TestCase):
         folder = self.folder("refused")
         self.assertIn("expected a checkpoint to go on from, found no such file", self.refusal(folder))
         self.stop_at_first_checkpoint(folder, signal.SIGKILL)
-        changed = self.refusal(folder, *OPTIONS, "--set", "vehicle.left.track.pre_tension_kN=20")
+        changed = self.refusal(folder, "--set", "vehicle.left.track.pre_tension_kN=20")
         self.assertIn("checkpoint: vehicle: expected the input that the run was started with, SHA-256 ", changed)
         file = os.path.join(folder, "run", "checkpoint")
         with open(file, "rb") as stream:
@@ -127,8 +129,7 @@ class Resume(unittest.TestCase):
         process = self.start(folder)
         self.wait_for_checkpoint(folder, process)
         process.send_signal(signal.SIGSTOP)  # it stays where it is, and alive
-        done = subprocess.run([COMMAND, "simulate", SCENARIO, "-o", "run", *OPTIONS, "--resume"], cwd=folder,
-                              capture_output=True, text=True)
+        done = subprocess.run([COMMAND, *SIMULATE, "--resume"], cwd=folder, capture_output=True, text=True)
         process.kill()
         process.wait()
         self.assertEqual(done.returncode, 5, done.stderr)

@@ -16,6 +16,7 @@ import tempfile
 import h5py
 
 sys.path.insert(0, os.path.join(os.environ["GROUSER_SOURCE_DIR"], "tests", "pipeline"))
+from checkpoint import RICH_RUN, missing_memory, time_of  # noqa: E402
 from command import CLOCK, COMMAND, DATA  # noqa: E402
 from part import main  # noqa: E402
 
@@ -31,15 +32,19 @@ def digest(data):
     return hashlib.sha256(data).hexdigest()
 
 
+def digest_of(values):
+    """Of a dataset or a row of it: shape, type and bytes; those of texts are pointers."""
+    raw = repr(values.tolist()).encode() if values.dtype == object else values.tobytes()
+    return digest(repr((values.shape, str(values.dtype))).encode() + raw)
+
+
 def hashes_of_run(folder):
     """Name -> SHA-256 of every dataset of run.h5, of the file as a whole, and of run.json without what a clock measured."""
     found = {}
 
     def keep(name, item):
         if isinstance(item, h5py.Dataset):
-            value = item[()]
-            raw = repr(value.tolist()).encode() if value.dtype == object else value.tobytes()
-            found[name] = digest(repr((item.shape, str(item.dtype))).encode() + raw)
+            found[name] = digest_of(item[()])
 
     with h5py.File(os.path.join(folder, "run.h5"), "r") as file:
         file.visititems(keep)
@@ -96,10 +101,14 @@ def drive(seconds):
     return ["simulate", SCENARIO, "-o", "run", "--set", f"duration_s={seconds}", *QUICK]
 
 
-def simulated(bench, arguments, **options):
+def rich_drive(seconds):
+    return ["simulate", *RICH_RUN, "-o", "run", "--set", f"duration_s={seconds}"]
+
+
+def simulated(bench, arguments, hashes=hashes_of_run, **options):
     place = bench.place(options.pop("name", "here"))
     bench.run(place, *arguments, **options)
-    return hashes_of_run(os.path.join(place, "run"))
+    return hashes(os.path.join(place, "run"))
 
 
 @contextlib.contextmanager
@@ -131,14 +140,45 @@ def surroundings(bench, whole, arguments, thorough):
     bench.row("simulate: " + ", ".join(cases))
 
 
-def less_and_more_output(bench, whole, seconds):
-    """The steps do not depend on what is written of them."""
-    steps = [name for name in whole if name.startswith("steps/")]
-    for sets in (["output.rate_Hz=7"], ["output.rate_Hz=1000", "output.probe_rate_Hz=5000"], ["output.probes=[]"]):
+def hashes_of_end(folder):
+    """Name -> SHA-256 of what every output of a run has of its course: the step log, sums over all steps, and the last sample of all
+    bodies, where one falls on the end."""
+    found = {}
+    with open(os.path.join(folder, "run.json"), encoding="utf-8") as file:
+        summary = json.load(file)
+    sums = {key: value for key, value in summary["results"].items() if key.startswith(("bushing_", "largest_", "least_"))}
+    for name, value in {**sums, "steps": summary["steps"], "energy": summary["energy"]}.items():
+        found[f"run.json {name}"] = digest(json.dumps(value).encode())
+    with h5py.File(os.path.join(folder, "run.h5"), "r") as file:
+        for name, item in file["steps"].items():
+            found[f"steps/{name}"] = digest_of(item[()])
+        times = file["time"]
+        if times[-1] != summary["simulated_time_s"]:
+            return found
+
+        def keep(name, item):
+            if isinstance(item, h5py.Dataset) and len(item) == len(times) and not name.startswith(("steps/", "probes/")):
+                found[f"last of {name}"] = digest_of(item[-1:])
+
+        file.visititems(keep)
+    return found
+
+
+# What --set makes of the output, and whether a sample falls on the end. No output at all is a row at time 0.
+OUTPUTS = ((["output.rate_Hz=2"], True), (["output.rate_Hz=1000", "output.probe_rate_Hz=5000"], True), (["output.probes=[]"], True),
+           (["output.rate_Hz=1e-6", "output.probe_rate_Hz=1e-6", "output.probes=[]"], False))
+
+
+def less_and_more_output(bench, seconds):
+    """The way of a run and where it ends do not depend on what is written of it."""
+    expected = simulated(bench, drive(seconds), hashes_of_end)
+    last = {name for name in expected if name.startswith("last of ")}
+    bench.part.require(len(last) > 20, f"simulate: expected a sample at the end, found {len(last)} datasets with one")
+    for sets, ends in OUTPUTS:
         options = [word for each in sets for word in ("--set", each)]
-        found = simulated(bench, [*drive(seconds), *options])
-        bench.same(f"simulate with {' '.join(sets)}", whole, found, only=steps)
-    bench.row("simulate: step log with sparse, dense and no probe output")
+        found = simulated(bench, [*drive(seconds), *options], hashes_of_end)
+        bench.same(f"simulate with {' '.join(sets)}", expected, found, only=set(expected) - (set() if ends else last))
+    bench.row("simulate: step log, sums over all steps and the last sample, if any, with sparse, dense, no probe and no output")
 
 
 def stopped(arguments, place, at, how):
@@ -155,7 +195,7 @@ def stopped(arguments, place, at, how):
 
 
 def resumed(bench, whole, arguments, seconds, stops):
-    """Stopped by Ctrl-C or SIGKILL on the way, behind the first checkpoint (1 s) or, each third, before it, and resumed. A run that
+    """Stopped by Ctrl-C or SIGKILL on the way, behind the first checkpoint (0.5 s) or, each third, before it, and resumed. A run that
     came to its end all the same is no hit."""
     chance, hits, kept = random.Random(SEED), 0, 0
     for number in range(stops):
@@ -163,19 +203,23 @@ def resumed(bench, whole, arguments, seconds, stops):
         run_folder = os.path.join(place, "run")
         how = (signal.SIGINT, signal.SIGKILL)[number % 2]
         early = number % 3 == 2
-        at = chance.uniform(0.05, 0.5) if early else chance.uniform(1.05, 0.75 * seconds)
+        at = chance.uniform(0.05, 0.5) if early else chance.uniform(0.8, 0.75 * seconds)
         what = f"simulate stopped by {how.name} at {at:.2f} s ({number})"
         if not stopped(arguments, place, at, how):
             bench.part.note(f"{what}: ended first")
             continue
         hits += 1
-        kept += os.path.exists(os.path.join(run_folder, "checkpoint"))
+        checkpoint = os.path.join(run_folder, "checkpoint")
+        if time_of(checkpoint) > 0.0:
+            kept += 1
+            missing = missing_memory(checkpoint)
+            bench.part.require(not missing, f"{what}: the checkpoint holds nothing of {', '.join(missing)}")
         with open(os.path.join(run_folder, "run.json"), encoding="utf-8") as file:
             bench.part.require(json.load(file)["status"] == "stopped", f"{what}: run.json does not say that it is stopped")
         bench.run(place, *arguments, "--resume")
         # Rows are copied table by table on --resume, so run.h5 lays the same chunks out in another order.
         bench.same(f"{what} and resumed", whole, hashes_of_run(run_folder), only=set(whole) - {"run.h5"})
-    bench.part.require(kept > 0, f"simulate: none of {hits} stopped runs left a checkpoint")
+    bench.part.require(2 * kept > hits, f"simulate: expected more than half of {hits} stopped runs to leave a checkpoint, {kept} did")
     bench.part.require(2 * hits > stops, f"simulate: expected more than half of {stops} runs stopped on the way, stopped {hits}")
     bench.row(f"simulate: {hits} of {stops} runs of {seconds:g} s stopped on the way, {kept} of them behind a checkpoint, and resumed: "
               "every dataset and run.json, not the order of chunks in run.h5")
@@ -225,11 +269,13 @@ def work(part, thorough):
         for _ in range(5 if thorough else 1):
             bench.same("simulate again", whole, simulated(bench, arguments))
         bench.row("simulate again")
-        bench.same("simulate --threads 4", whole, simulated(bench, [*arguments, "--threads", "4"]))
-        bench.row("simulate --threads 4, which changes nothing: one thread steps a run")
+        for threads in THREADS:
+            bench.same(f"simulate --threads {threads}", whole, simulated(bench, [*arguments, "--threads", str(threads)]))
+        bench.row("simulate with 1, 2 and 4 threads, which changes nothing: one thread steps a run")
         surroundings(bench, whole, arguments, thorough)
-        less_and_more_output(bench, whole, seconds)
-        resumed(bench, whole, arguments, seconds, 12 if thorough else 2)
+        less_and_more_output(bench, seconds)
+        rich = rich_drive(seconds)
+        resumed(bench, simulated(bench, rich), rich, seconds, 12 if thorough else 2)
         shown(bench, drive(0.3), made)
         identified(bench, made if thorough else {})
 

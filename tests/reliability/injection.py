@@ -14,13 +14,15 @@ import time
 import h5py
 
 sys.path.insert(0, os.path.join(os.environ["GROUSER_SOURCE_DIR"], "tests", "pipeline"))
+from checkpoint import RICH_RUN  # noqa: E402
 from command import CLOCK, COMMAND, DATA, children_of, short_data  # noqa: E402, F401
 
 INTERPOSER = os.path.join(os.path.dirname(os.path.abspath(COMMAND)), "libgrouser_interposer.so")
 SCENARIO = os.path.join(DATA, "scenarios/m113.json")
-RUN = ["--set", "duration_s=1.1", "--set", "assembly.settle_time_s=2.6"]  # one checkpoint on the way, a quick settling
+QUICK = ["--set", "assembly.settle_time_s=2.6"]
 PICTURE = ["--size", "160x90"]
 PATIENCE = 300.0  # s, for one command on a loaded machine
+REFUSED = 3  # the exit code of --resume where there is nothing to resume
 
 
 def environment(under=None, calls="", at=0, do="", log=None, clock=False, gl=True):
@@ -76,6 +78,11 @@ def open_channels(path):
     return h5py.File(h5py.h5f.open(os.fsencode(path), flags, access))
 
 
+def raw(values):
+    """The bytes of a dataset; those of texts are pointers."""
+    return repr(values.tolist()).encode() if values.dtype == object else values.tobytes()
+
+
 def digest_of_channels(path):
     """Of every dataset of run.h5: name, shape, type, bytes."""
     digest = hashlib.sha256()
@@ -83,8 +90,7 @@ def digest_of_channels(path):
     def add(name, item):
         if isinstance(item, h5py.Dataset):
             value = item[()]
-            digest.update(f"{name} {item.shape} {item.dtype}".encode())
-            digest.update(repr(value.tolist()).encode() if value.dtype == object else value.tobytes())
+            digest.update(f"{name} {item.shape} {item.dtype}".encode() + raw(value))
 
     with open_channels(path) as file:
         file.visititems(add)
@@ -104,14 +110,42 @@ def digest_of(path):
     return hashlib.sha256(read(path)).hexdigest()
 
 
-def tree(folder):
+def digest_or_fault(path):
+    try:
+        return digest_of(path)
+    except (OSError, ValueError) as error:
+        return f"cannot be read: {error}"
+
+
+def tree(folder, digest=digest_of):
     """Path -> digest of every file below."""
     found = {}
     for root, _, names in os.walk(folder):
         for name in names:
             path = os.path.join(root, name)
-            found[os.path.relpath(path, folder)] = digest_of(path)
+            found[os.path.relpath(path, folder)] = digest(path)
     return found
+
+
+def differing(one, two):
+    """Paths that are not the same in two trees."""
+    return [path for path in sorted(set(one) | set(two)) if one.get(path) != two.get(path)]
+
+
+def not_begun_with(path, whole):
+    """Datasets of a run.h5 that are not the first rows, or all, of those of a whole one."""
+    wrong = []
+
+    def compare(name, item):
+        if not isinstance(item, h5py.Dataset):
+            return
+        rows = len(begun[name]) if name in begun else len(item) + 1
+        if rows > len(item) or raw(begun[name][()]) != raw(item[:rows]):
+            wrong.append(name)
+
+    with open_channels(path) as begun, open_channels(whole) as file:
+        file.visititems(compare)
+    return wrong
 
 
 def is_temporary(path):
@@ -137,14 +171,16 @@ class Stage:
         if self.earlier:
             must(self.earlier, self.old_folder())
         self.old = tree(os.path.join(self.old_folder(), "out"))
-        done = self.trial("new")
         begun = time.monotonic()
-        must(self.arguments, done)
+        must(self.arguments, self.trial("new"))
         self.duration = time.monotonic() - begun
-        self.new = tree(os.path.join(done, "out"))
+        self.new = tree(os.path.join(self.new_folder(), "out"))
 
     def old_folder(self):
         return os.path.join(self.home, "old")
+
+    def new_folder(self):
+        return os.path.join(self.home, "new")
 
     def trial(self, name):
         """A fresh copy of what stood there before the command."""
@@ -166,60 +202,55 @@ class Stage:
         return lines
 
     def torn(self, folder):
-        """Files that are neither the old nor the new ones."""
+        """Files as no moment of the command leaves them."""
         out = os.path.join(folder, "out")
-        found, wrong = {}, []
-        for root, _, names in os.walk(out):
-            for name in names:
-                path = os.path.relpath(os.path.join(root, name), out)
-                if is_temporary(path):
-                    continue
-                try:
-                    found[path] = digest_of(os.path.join(root, name))
-                except (OSError, ValueError) as error:
-                    wrong.append(f"{path} cannot be read: {error}")
-        for path in set(self.old) | set(self.new):
-            if is_temporary(path) or path in {line.split(" ")[0] for line in wrong}:
-                continue
-            if self.resumed and path in ("run.h5", "run.json", "checkpoint"):
-                wrong += self.torn_run(out) if path == "run.json" else []
-                continue
-            if found.get(path) not in (self.old.get(path), self.new.get(path)):
-                wrong.append(f"{path} is neither the old one nor the new one")
-        wrong += [f"{path} is litter" for path in found
-                  if path not in self.old and path not in self.new and not self.resumed]
-        return wrong
+        found = {path: digest for path, digest in tree(out, digest_or_fault).items() if not is_temporary(path)}
+        if self.resumed:
+            return self.torn_run(out, found)
+        return self.neither(found, set(self.old) | set(self.new) | set(found))
 
-    def torn_run(self, out):
-        """A run's summary is the old one, the new one, or says that the run is not finished; its channels can be read."""
-        if not os.path.exists(os.path.join(out, "run.json")):
-            return []
-        says = digest_of(os.path.join(out, "run.json"))
-        if says not in (self.old.get("run.json"), self.new.get("run.json")) and json.loads(says)["status"] != "stopped":
-            return ["run.json is neither the old one nor the new one nor that of a run in progress"]
-        return []
+    def neither(self, found, paths):
+        return [f"{path} is neither the old one nor the new one: {found.get(path)}" for path in sorted(paths)
+                if not is_temporary(path) and found.get(path) not in (self.old.get(path), self.new.get(path))]
+
+    def torn_run(self, out, found):
+        """A summary vouches for what stands beside it: the old one for the old run, the new one for the new run. While neither stands
+        the run is in progress, and its channels are still the old ones or begin as the new ones."""
+        says = found.get("run.json")
+        for whole, which in ((self.old, "old"), (self.new, "new")):
+            if says == whole.get("run.json"):
+                return [f"{path} beside the {which} run.json is not the {which} one: {found.get(path)}"
+                        for path in self.not_of(whole, found)]
+        if not says or not says.startswith("{") or json.loads(says)["status"] != "stopped":
+            return [f"run.json is neither the old one nor the new one nor that of a run in progress: {says}"]
+        wrong = self.neither(found, (set(self.old) | set(self.new) | set(found)) - {"run.json", "run.h5", "checkpoint"})
+        if found.get("run.h5") == self.old.get("run.h5"):
+            return wrong + (["checkpoint without the channels of its run"] if "checkpoint" in found else [])
+        try:
+            names = not_begun_with(os.path.join(out, "run.h5"), os.path.join(self.new_folder(), "out", "run.h5"))
+        except (OSError, ValueError) as error:
+            return wrong + [f"run.h5 cannot be read: {error}"]
+        return wrong + [f"{name} in run.h5 does not begin as the new one" for name in names]
+
+    def not_of(self, whole, found):
+        """Files that differ from those of a whole run. The first change of a new one takes the old checkpoint away."""
+        return [path for path in differing(whole, found) if not is_temporary(path)
+                and not (whole is self.old and path == "checkpoint" and path not in found)]
 
     def recover(self, folder):
-        """Does what a user does next, and says what is wrong with the result."""
-        out, wrong = os.path.join(folder, "out"), []
-        if self.resumed and "--resume" not in self.arguments:
-            done = run([*self.arguments, "--resume"], folder)
-            ended = "expected a run that was stopped or killed" in done.stderr
-            if done.returncode == 3 and (ended or not os.path.exists(os.path.join(out, "run.json"))):
-                if tree(out) != self.new:  # the old run still stands, or none
-                    done = run(self.arguments, folder)
-                else:
-                    return wrong
-        else:
-            done = run(self.arguments, folder)
-            if self.resumed and done.returncode == 3 and "found completed" in done.stderr:
-                done.returncode = 0
+        """Does what a user does next, and says what is wrong with the result. A run that is not begun, or the old one, is run anew;
+        nothing else is, for that would cover a loss."""
+        out = os.path.join(folder, "out")
+        done = run([*self.arguments, "--resume"] if self.resumed else self.arguments, folder)
+        if self.resumed and done.returncode == REFUSED:
+            now = tree(out, digest_or_fault)
+            if now == self.new:
+                return []
+            if "run.json" not in now or not self.not_of(self.old, now):
+                done = run(self.arguments, folder)
         if done.returncode != 0:
             return [f"the next command ended with {done.returncode}: {done.stderr.strip()[-300:]}"]
-        now = tree(out)
-        wrong += [f"{path} differs afterwards" for path in sorted(set(now) | set(self.new))
-                  if now.get(path) != self.new.get(path)]
-        return wrong
+        return [f"{path} differs afterwards" for path in differing(tree(out, digest_or_fault), self.new)]
 
 
 def write_rig(folder, axes):
@@ -242,17 +273,17 @@ def stages(home):
     """The pipeline, short; its inputs are made in `home`."""
     rig, other = write_rig(os.path.join(home, "rig"), "y"), write_rig(os.path.join(home, "other_rig"), "z")
     must(["identify", rig, "-o", "fit"], home)
-    must(["simulate", SCENARIO, "-o", "run", *RUN, "--set", "duration_s=0.2"], home)
-    must(["simulate", SCENARIO, "-o", "other_run", *RUN, "--set", "duration_s=0.1"], home)
+    must(["simulate", SCENARIO, "-o", "run", *QUICK, "--set", "duration_s=0.2"], home)
+    must(["simulate", SCENARIO, "-o", "other_run", *QUICK, "--set", "duration_s=0.1"], home)
     fit, drive, other_run = (os.path.join(home, name) for name in ("fit", "run", "other_run"))
     bushing = os.path.join(fit, "bushing.json")
     film = ["--film", "film.mp4", "-o", "out", *PICTURE, "--fps", "400"]  # two stretches
-    simulate = ["simulate", SCENARIO, "-o", "out", *RUN]
+    simulate = ["simulate", *RICH_RUN, "-o", "out", "--set"]
     return [
         Stage("identify", ["identify", rig, "-o", "out"], ["identify", other, "-o", "out"]),
         Stage("rig", ["rig", rig, "--bushing", bushing, "-o", "out"]),
-        Stage("simulate", simulate),
-        Stage("simulate again", simulate, ["simulate", SCENARIO, "-o", "out", *RUN, "--set", "duration_s=0.3"]),
+        Stage("simulate", [*simulate, "duration_s=1.1"]),  # one checkpoint on the way
+        Stage("simulate again", [*simulate, "duration_s=1.1"], [*simulate, "duration_s=0.6"]),
         Stage("render stills", ["render", drive, "--still", "0.1", "--still", "0.2", "-o", "out", *PICTURE],
               ["render", drive, "--still", "0.1", "-o", "out", *PICTURE, "--camera", "top"]),
         Stage("render frames", ["render", drive, "--frames", "-o", "out", *PICTURE, "--fps", "40"],
