@@ -14,7 +14,7 @@ test_packages=(
   binutils chromium libbenchmark-dev libgmock-dev libgtest-dev libsimbody-dev poppler-utils python3 python3-h5py python3-jsonschema
 )
 # What continuous integration runs beyond the suite.
-ci_packages=(clang-14 clang-format-14 libclang-rt-14-dev)
+ci_packages=(clang-14 clang-format-14 libclang-rt-14-dev llvm-14)
 
 say() { printf '%s: %s\n' "$(basename "$0")" "$*" >&2; }
 

@@ -273,16 +273,16 @@ namespace {
 
 /// May crash, at no cost to the program.
 void prepare_for_the_worst(const std::filesystem::path& file) {
-  for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGALRM}) std::signal(signal, SIG_DFL);
-  // Ctrl-C reaches the whole group of processes: it says nothing of the file, and the parent answers it.
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_IGN);
+  for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGALRM, SIGXCPU}) std::signal(signal, SIG_DFL);
+  // Ctrl-C and Ctrl-Z reach the whole group of processes: they say nothing of the file, and the parent answers them.
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGTSTP}) std::signal(signal, SIG_IGN);
   std::size_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
   const auto now = static_cast<rlim_t>(pages) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
   std::error_code unknown;
   const std::uintmax_t size = std::filesystem::file_size(file, unknown);
   const rlim_t seconds = k_least_seconds + (unknown ? 0 : size / k_bytes_a_second);
-  const rlimit memory{now + k_most_memory, now + k_most_memory}, time{seconds, seconds}, none{0, 0};
+  const rlimit memory{now + k_most_memory, now + k_most_memory}, time{seconds, seconds + 1}, none{0, 0};
   setrlimit(RLIMIT_AS, &memory);
   setrlimit(RLIMIT_CPU, &time);
   setrlimit(RLIMIT_CORE, &none);
@@ -319,11 +319,17 @@ std::string take_all(int from) {
   return text;
 }
 
-int status_of(pid_t child) {
-  int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+/// How the child failed; empty where it came to its end. A wait that fails is no good end.
+std::string failure_of(pid_t child) {
+  int status = 0, result = 0;
+  while ((result = ::waitpid(child, &status, 0)) < 0 && errno == EINTR) {
   }
-  return status;
+  if (result < 0) return std::string("the process that looks at it first: ") + std::strerror(errno);
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return "";
+  const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+  if (signal == SIGKILL) return "the process that looks at it first was killed: was memory out?";
+  if (signal == SIGALRM || signal == SIGXCPU) return "a damaged HDF5 file, on which the HDF5 library comes to no end";
+  return "a damaged HDF5 file, on which the HDF5 library itself fails";
 }
 
 }  // namespace
@@ -337,10 +343,7 @@ void survey_hdf5(const std::filesystem::path& file) {
   ::close(ends[1]);
   const std::string fault = take_all(ends[0]);
   if (child < 0) throw FileError(refusal + std::strerror(errno));
-  const int status = status_of(child);
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    throw FileError(refusal + "a damaged HDF5 file, on which the HDF5 library itself fails");
-  }
+  if (const std::string failure = failure_of(child); !failure.empty()) throw FileError(refusal + failure);
   if (!fault.empty()) throw FileError(refusal + printable(fault));
 }
 

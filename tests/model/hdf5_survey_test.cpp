@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <hdf5.h>
 
+#include <csignal>
+
 #include "model/errors.h"
 #include "model/hdf5_handle.h"
 #include "tests/support/test_data.h"
@@ -53,6 +55,14 @@ std::string refusal_of(const std::filesystem::path& file) {
     return text.substr(text.find(": ") + 2);
   }
   return "";
+}
+
+TEST(Hdf5Survey, LetsNothingThroughWhereItCannotLearnHowItsProcessEnded) {
+  const TemporaryFolder folder;
+  const auto before = std::signal(SIGCHLD, SIG_IGN);  // the system then forgets it
+  const std::string refusal = refusal_of(file_with(folder, H5T_IEEE_F64LE, 100, 16));
+  std::signal(SIGCHLD, before);
+  EXPECT_THAT(refusal, HasSubstr("the process that looks at it first"));
 }
 
 TEST(Hdf5Survey, LetsPlainNumbersThrough) {

@@ -204,7 +204,7 @@ def mutated_hdf5(part, count):
             arguments = ["export", good, "-o", folder + "/csv"] if i % 20 == 0 else ["check", good]
             code, errors, _ = answer(*arguments, "--quiet")
             codes["read" if code == 0 else "refused"] += 1
-            codes["library"] += any("library itself fails" in line for line in errors)
+            codes["library"] += any("on which the HDF5 library" in line for line in errors)
             part.require(code in ANSWERS, f"{arguments[0]} of mutation {i}: {code} {' '.join(errors)[:500]}")
     part.row("mutated run.h5 (cut, flipped; new and old format)", count,
              f"{codes['refused']} refused, {codes['read']} still right, no signal")
