@@ -16,6 +16,7 @@ import h5py
 sys.path.insert(0, os.path.join(os.environ["GROUSER_SOURCE_DIR"], "tests", "pipeline"))
 from checkpoint import RICH_RUN  # noqa: E402
 from command import CLOCK, COMMAND, DATA, children_of, short_data  # noqa: E402, F401
+from part import save  # noqa: E402
 
 INTERPOSER = os.path.join(os.path.dirname(os.path.abspath(COMMAND)), "libgrouser_interposer.so")
 SCENARIO = os.path.join(DATA, "scenarios/m113.json")
@@ -314,9 +315,8 @@ def told(failures):
 
 def finish(part, title, rows, notes, failures, output):
     """Writes the part's figures, prints them, and gives the exit code."""
-    if output:
-        with open(output, "w", encoding="utf-8") as file:
-            json.dump({"part": part, "title": title, "rows": rows, "notes": notes}, file, indent=1)
+    if output and not failures:
+        save({"part": part, "title": title, "rows": rows, "notes": notes}, output)
     for row in rows:
         print(f"{row['count']:>6}  {row['what']}: {row['result']}")
     return 1 if failures else 0

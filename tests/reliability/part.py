@@ -9,20 +9,21 @@ import sys
 import time
 
 HERE = os.path.dirname(os.path.abspath(__file__))
+BEGUN = time.monotonic()
 
 
-def measured(begun):
+def measured():
     """When and of what the figures are: the page holds those of several runs."""
     described = subprocess.run(["git", "-C", HERE, "describe", "--always", "--dirty", "--abbrev=10"], capture_output=True, text=True,
                                check=False)
     return {"on": datetime.date.today().isoformat(), "at": described.stdout.strip() or "unknown", "cores": os.cpu_count(),
-            "minutes": round((time.monotonic() - begun) / 60.0, 1)}
+            "minutes": round((time.monotonic() - BEGUN) / 60.0, 1)}
 
 
-def save(page, begun, path):
-    """Writes what page.py makes a section of; `begun` is of time.monotonic()."""
+def save(page, path):
+    """Writes what page.py makes a section of."""
     with open(path, "w", encoding="utf-8") as file:
-        json.dump({**page, "measured": measured(begun)}, file, indent=1)
+        json.dump({**page, "measured": measured()}, file, indent=1)
 
 
 class Part:
@@ -53,7 +54,6 @@ def main(name, title, work):
     parser.add_argument("--thorough", action="store_true", help="the long form, whose figures go on the page")
     parser.add_argument("-o", metavar="FILE.json", help="where the rows of the page go")
     options = parser.parse_args()
-    begun = time.monotonic()
     if isinstance(title, str):
         part = Part(name, title)
         work(part, options.thorough)
@@ -63,4 +63,4 @@ def main(name, title, work):
     if part.failures:
         sys.exit(f"{len(part.failures)} failures")
     if options.o:
-        save(part.page, begun, options.o)
+        save(part.page, options.o)
