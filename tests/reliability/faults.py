@@ -1,9 +1,10 @@
-"""Disks that fill up or break, folders that are read-only or vanish, closed pipes, signals, too little memory, two
-processes at once and a clock that runs backwards: a clear message, the right exit code, nothing lost."""
+"""Disks that fill up or break, folders that are read-only, inputs and outputs that vanish, closed pipes, signals, too little memory,
+two processes at once and a clock that runs backwards: a clear message, the right exit code, nothing lost."""
 
 import argparse
 import errno
 import functools
+import operator
 import os
 import re
 import resource
@@ -16,10 +17,44 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 
 import injection
-from injection import COMMAND, children_of, environment, finish, read, run, seeded, short_data, spread, stages, told, tree
-from kills import CHANGES, SEED
+from injection import COMMAND, DATA, children_of, environment, finish, read, run, seeded, short_data, spread, stages, told, tree
+from kills import CHANGES, SEED, added
 
-DONE, FILE_FAILURE, INTERNAL_ERROR, INTERRUPTED = 0, 5, 70, 130
+DONE, BAD_INPUT, FILE_FAILURE, INTERNAL_ERROR, INTERRUPTED = 0, 3, 5, 70, 130
+LOOKS = "or"  # opens of what is there, reads
+INPUTS = "inputs"  # in the folder of every trial
+GONE = os.strerror(errno.ENOENT)
+
+
+def own_inputs(stage, made):
+    """Every trial of the stage gets inputs of its own, of those in `made` and of the data, which it may lose."""
+    for source, names in ((made, os.listdir(made)), (DATA, ("scenarios", "vehicles", "bushings"))):
+        if any(word.startswith(source + os.sep) for word in stage.arguments):
+            for name in names:
+                shutil.copytree(os.path.join(source, name), os.path.join(stage.old_folder(), INPUTS, name))
+        stage.arguments = [word.replace(source + os.sep, INPUTS + os.sep) for word in stage.arguments]
+
+
+class Measured:
+    """The stage with its own inputs and without a fault: its new results, its calls, and what it takes."""
+
+    def __init__(self, stage):
+        folder, log = stage.trial("measured"), os.path.join(stage.home, "looks")
+        process = injection.start(stage.arguments, folder, environment(under=folder, calls=LOOKS, log=log))
+        self.peak = 0  # MB of addresses
+        while process.poll() is None:
+            with open(f"/proc/{process.pid}/status", encoding="utf-8") as file:
+                self.peak = max([self.peak, *(int(line.split()[1]) >> 10 for line in file if line.startswith("VmPeak"))])
+            time.sleep(0.01)
+        if process.returncode != DONE:
+            raise AssertionError(f"{stage.name} ended with {process.returncode} under the interposer")
+        stage.new = tree(os.path.join(folder, "out"))
+        self.largest = max(os.path.getsize(os.path.join(folder, "out", name)) for name in stage.new)  # bytes
+        lines = [line.split(" ", 2)[1:] for line in read(log).decode().splitlines()]
+        self.looks = len(lines)
+        self.opened = [path for kind, path in lines if kind == "o" and path.startswith(INPUTS + os.sep)]
+        self.changes = len(stage.count_calls(CHANGES))
+        shutil.rmtree(folder)
 
 
 class Trial:
@@ -29,73 +64,99 @@ class Trial:
         self.stage = stage
         self.what = f"{stage.name}, {what}"
         self.folder = stage.trial(re.sub(r"\W+", "_", what))
+        self.out = os.path.join(self.folder, "out")
         self.wrong = []
+
+    def fault(self, below, calls, number, do):
+        """The environment that injects it into a call below a folder of the trial."""
+        folder = os.path.normpath(os.path.join(self.folder, below))
+        return environment(under=folder, calls=calls, at=number, do=do, log=self.folder + ".calls")
+
+    def reached(self, number):
+        """Whether the interposer came to that call."""
+        return len(read(self.folder + ".calls").splitlines()) >= number
 
     def expect(self, right, fault):
         if not right:
             self.wrong.append(f"{self.what}: {fault}")
 
-    def expect_end(self, done, reasons):
-        """Exit code 5 with one of the reasons on stderr; or 0, and then everything is as it should be."""
-        if done.returncode == DONE:
-            now = tree(os.path.join(self.folder, "out"))
-            self.expect(now == self.stage.new, "ended with 0, and with another result: "
-                        + ", ".join(sorted(name for name in set(now) | set(self.stage.new)
-                                           if now.get(name) != self.stage.new.get(name))))
-            return
-        self.expect(done.returncode == FILE_FAILURE, f"ended with {done.returncode}: {done.stderr.strip()[-300:]}")
-        errors = [line for line in done.stderr.splitlines() if line.startswith("grouser: error: ")]
-        self.expect(len(errors) == 1, f"printed {len(errors)} errors: {done.stderr.strip()[-300:]}")
-        self.expect(any(reason in error for error in errors for reason in reasons), f"gave no reason: {errors}")
+    def expect_result(self):
+        now, new = tree(self.out), self.stage.new
+        self.expect(now == new, "another result: " + ", ".join(sorted(name for name in set(now) | set(new)
+                                                                       if now.get(name) != new.get(name))))
 
-    def close(self, whole=True):
-        """Looks at what is left, and at what the next command makes of it."""
+    def expect_end(self, code, said, reasons, place="", codes=(FILE_FAILURE,)):
+        """One of the codes, a reason and the place in an error, of bad input in all; or 0, and then everything is as it should be."""
+        if code == DONE:
+            self.expect_result()
+            return
+        self.expect(code in codes, f"ended with {code}: {said.strip()[-300:]}")
+        errors = [line for line in said.splitlines() if line.startswith("grouser: error: ")]
+        self.expect(len(errors) == 1 or (code == BAD_INPUT and errors), f"printed {len(errors)} errors: {said.strip()[-300:]}")
+        self.expect(all(place in error and any(reason in error for reason in reasons) for error in errors), f"gave no reason: {errors}")
+
+    def close(self, struck, whole=True):
+        """Looks at what is left, and at what the next command makes of it; whether the fault struck, of one trial, what is wrong."""
         if whole:
             self.wrong += [f"{self.what}: {fault}" for fault in self.stage.torn(self.folder)]
         self.wrong += [f"{self.what}: {fault}" for fault in self.stage.recover(self.folder)]
         shutil.rmtree(self.folder)
-        return ["; ".join(self.wrong[:4])] if self.wrong else []
+        return int(struck), 1, ["; ".join(self.wrong[:4])] if self.wrong else []
 
 
 def refused_call(stage, number, error, lasting):
     """The disk refuses a call, once or from there on."""
     trial = Trial(stage, f"{errno.errorcode[error]}{' from' if lasting else ' at'} call {number}")
-    done = run(stage.arguments, trial.folder,
-               environment(under=trial.folder, calls=CHANGES, at=number, do=f"{error}{'+' if lasting else ''}"))
-    trial.expect_end(done, [os.strerror(error)])
-    return trial.close()
+    done = run(stage.arguments, trial.folder, trial.fault(".", CHANGES, number, f"{error}{'+' if lasting else ''}"))
+    trial.expect_end(done.returncode, done.stderr, [os.strerror(error)])
+    return trial.close(trial.reached(number))
 
 
-def unreadable_input(stage, number, home):
+def unreadable_input(stage, number):
     """A disk that breaks while an input is read: never a result from a part of it."""
-    trial = Trial(stage, f"EIO at read {number}")
-    done = run(stage.arguments, trial.folder, environment(under=home, calls="r", at=number, do=errno.EIO))
-    trial.expect_end(done, ["cannot read", "cannot open", os.strerror(errno.EIO)])
-    return trial.close()
+    trial = Trial(stage, f"EIO at look {number}")
+    done = run(stage.arguments, trial.folder, trial.fault(".", LOOKS, number, errno.EIO))
+    trial.expect_end(done.returncode, done.stderr, ["cannot read", "cannot open", os.strerror(errno.EIO)])
+    return trial.close(trial.reached(number))
+
+
+def vanished_input(stage, number, path):
+    """An input, or the folder of all, is taken away before an input is opened, and put back when the command has ended."""
+    trial = Trial(stage, f"{path} taken away at open {number}")
+    there, away = os.path.join(trial.folder, path), os.path.join(trial.folder, "away")
+    code, said, stopped = stopped_amid(trial, trial.fault(INPUTS, "o", number, "stop"), lambda: os.rename(there, away))
+    trial.expect(stopped, "was not stopped")
+    trial.expect_end(code, said, [GONE], path, (FILE_FAILURE, BAD_INPUT))
+    trial.expect(not os.path.exists(there), "made what was taken away")
+    os.rename(away, there)
+    return trial.close(code != DONE)
 
 
 def limited(stage, what, limit, value, reasons):
     """Under a limit of the system for the process."""
     trial = Trial(stage, f"{what} of {value}")
-    done = subprocess.run([COMMAND, *map(str, stage.arguments)], cwd=trial.folder, capture_output=True, text=True,
+    done = subprocess.run([COMMAND, *stage.arguments], cwd=trial.folder, capture_output=True, text=True,
                           timeout=injection.PATIENCE, errors="replace",
                           preexec_fn=lambda: resource.setrlimit(limit, (value, value)))
-    trial.expect_end(done, reasons)
-    return trial.close()
+    trial.expect_end(done.returncode, done.stderr, reasons)
+    return trial.close(done.returncode != DONE)
 
 
 def signalled(stage, with_signal, delay):
-    """Asked to stop: it says so once, and keeps what is whole."""
+    """Asked to stop after it began to read: it says so once, ends with 130, and keeps what is whole; or it was done already."""
     trial = Trial(stage, f"{signal.Signals(with_signal).name} after {delay:.3f} s")
-    process = injection.start(stage.arguments, trial.folder, stderr=subprocess.PIPE, text=True)
+    process = injection.start(stage.arguments, trial.folder, trial.fault(INPUTS, "o", 1, "stop"), stderr=subprocess.PIPE, text=True)
+    trial.expect(stopped_process(process) == process.pid, "did not reach its first input")
+    process.send_signal(signal.SIGCONT)
     time.sleep(delay)
     process.send_signal(with_signal)
     _, said = process.communicate(timeout=injection.PATIENCE)
-    early = process.returncode == -with_signal  # before the program had begun
-    trial.expect(early or process.returncode in (DONE, INTERRUPTED), f"ended with {process.returncode}: {said[-300:]}")
+    trial.expect(process.returncode in (DONE, INTERRUPTED), f"ended with {process.returncode}: {said[-300:]}")
     told = sum("interrupted" in line for line in said.splitlines())
     trial.expect(told == (process.returncode == INTERRUPTED), f"said {told} times that it was interrupted: {said[-300:]}")
-    return trial.close()
+    if process.returncode == DONE:
+        trial.expect_result()
+    return trial.close(process.returncode == INTERRUPTED)
 
 
 def closed_stdout(stage):
@@ -108,8 +169,8 @@ def closed_stdout(stage):
     os.close(theirs)
     trial.expect(done.returncode == FILE_FAILURE, f"ended with {done.returncode}: {done.stderr[-300:]}")
     trial.expect("stdout: expected to write the result, found it closed or full" in done.stderr, done.stderr[-300:])
-    trial.expect(tree(os.path.join(trial.folder, "out")) == stage.new, "the result is another one")
-    return trial.close()
+    trial.expect_result()
+    return trial.close(True)
 
 
 def closed_stderr(stage):
@@ -121,40 +182,62 @@ def closed_stderr(stage):
                           stderr=theirs, timeout=injection.PATIENCE)
     os.close(theirs)
     trial.expect(done.returncode == DONE, f"ended with {done.returncode}")
-    trial.expect(tree(os.path.join(trial.folder, "out")) == stage.new, "the result is another one")
-    return trial.close()
+    trial.expect_result()
+    return trial.close(True)
 
 
-def wait_until_stopped(process):
-    """Until the interposer stopped it; False when it ended before."""
+def state_of(process):
+    """Of /proc: R, S, T for stopped, Z; empty when there is none."""
+    try:
+        with open(f"/proc/{process}/stat", encoding="utf-8") as file:
+            return file.read().rsplit(")", 1)[1].split()[0]
+    except FileNotFoundError:
+        return ""
+
+
+def stopped_process(process):
+    """The number of what the interposer stopped, the command or its child; none when the command ended before."""
     give_up = time.monotonic() + injection.PATIENCE
     while time.monotonic() < give_up and process.poll() is None:
-        with open(f"/proc/{process.pid}/stat", encoding="utf-8") as file:
-            if file.read().rsplit(")", 1)[1].split()[0] == "T":
-                return True
+        for each in (process.pid, *children_of(process.pid)):
+            if state_of(each) == "T":
+                return each
         time.sleep(0.01)
-    return False
+    return None
+
+
+def stopped_amid(trial, env, meanwhile):
+    """Does something while the trial's command stands still: its exit code, what it said, and whether it was stopped."""
+    process = injection.start(trial.stage.arguments, trial.folder, env, stderr=subprocess.PIPE, text=True)
+    stopped = stopped_process(process)
+    if stopped is not None:
+        meanwhile()
+        os.kill(stopped, signal.SIGCONT)
+    _, said = process.communicate(timeout=injection.PATIENCE)
+    return process.returncode, said, stopped is not None
 
 
 def vanished_output(stage, number):
-    """The output folder is removed while the command writes into it."""
-    trial = Trial(stage, f"output removed at call {number}")
-    process = injection.start(stage.arguments, trial.folder,
-                              environment(under=trial.folder, calls=CHANGES, at=number, do="stop"),
-                              stderr=subprocess.PIPE, text=True)
-    if wait_until_stopped(process):
-        shutil.rmtree(os.path.join(trial.folder, "out"), ignore_errors=True)
-        process.send_signal(signal.SIGCONT)
-    _, said = process.communicate(timeout=injection.PATIENCE)
-    trial.expect(process.returncode in (DONE, FILE_FAILURE), f"ended with {process.returncode}: {said[-300:]}")
-    trial.expect(process.returncode == DONE or os.strerror(errno.ENOENT) in said, f"gave no reason: {said[-300:]}")
-    return trial.close(whole=False)
+    """The output folder is removed while the command writes into it: it says so, unless its whole result stood there already."""
+    trial, stood = Trial(stage, f"output removed at call {number}"), []
+
+    def remove():
+        try:
+            stood.append(tree(trial.out) == stage.new)
+        except (OSError, ValueError):  # half a file
+            stood.append(False)
+        shutil.rmtree(trial.out, ignore_errors=True)
+
+    code, said, stopped = stopped_amid(trial, trial.fault(".", CHANGES, number, "stop"), remove)
+    if code != DONE or stood != [True]:
+        trial.expect_end(code, said, [GONE])
+    return trial.close(stopped, whole=False)
 
 
 def folder_in_place_of(stage, name):
     """A folder bears the name of an output file."""
     trial = Trial(stage, f"a folder called {name}")
-    taken = os.path.join(trial.folder, "out", name)
+    taken = os.path.join(trial.out, name)
     if os.path.exists(taken):
         os.remove(taken)
     os.makedirs(os.path.join(taken, "of a user"))
@@ -163,7 +246,7 @@ def folder_in_place_of(stage, name):
     trial.expect(os.path.basename(name) in done.stderr, f"does not name it: {done.stderr.strip()[-300:]}")
     trial.expect(os.path.isdir(os.path.join(taken, "of a user")), "took the folder away")
     shutil.rmtree(taken)
-    return trial.close(whole=False)
+    return trial.close(True, whole=False)
 
 
 def two_at_once(stage):
@@ -175,31 +258,40 @@ def two_at_once(stage):
     for said, code in ends:
         trial.expect(code == DONE or (code == FILE_FAILURE and "another process is still writing" in said),
                      f"ended with {code}: {said[-300:]}")
-    trial.expect(tree(os.path.join(trial.folder, "out")) == stage.new, "the result is another one")
-    return trial.close()
+    trial.expect_result()
+    return trial.close(True)
 
 
 def backward_clock(stage):
     trial = Trial(stage, "the clock runs backwards")
     done = run(stage.arguments, trial.folder, environment(clock=True))
     trial.expect(done.returncode == DONE, f"ended with {done.returncode}: {done.stderr[-300:]}")
-    trial.expect(tree(os.path.join(trial.folder, "out")) == stage.new, "the result is another one")
-    return trial.close()
+    trial.expect_result()
+    return trial.close(True)
+
+
+def is_pending(process, which):
+    with open(f"/proc/{process}/status", encoding="utf-8") as file:
+        pending = next((line.split()[1] for line in file if line.startswith("ShdPnd")), "0")
+    return int(pending, 16) >> (which - 1) & 1
 
 
 def stopped_twice(stage):
-    """The second Ctrl-C ends at once what the first one asked to stop."""
+    """The second Ctrl-C ends at once what the first one asked to stop, unless it was quicker."""
     trial = Trial(stage, "two SIGINT")
-    process = injection.start(stage.arguments, trial.folder,
-                              environment(under=trial.folder, calls=CHANGES, at=1, do="stop"))
-    trial.expect(wait_until_stopped(process), "did not reach its first call")
+    process = injection.start(stage.arguments, trial.folder, trial.fault(INPUTS, "o", 1, "stop"))
+    trial.expect(stopped_process(process) == process.pid, "did not reach its first input")
     process.send_signal(signal.SIGINT)  # pending until it goes on
     process.send_signal(signal.SIGCONT)
-    time.sleep(0.4)
+    while is_pending(process.pid, signal.SIGINT):
+        time.sleep(0.001)
+    process.send_signal(signal.SIGSTOP)
+    time.sleep(0.4)  # two that come closer count as one
     process.send_signal(signal.SIGINT)
+    process.send_signal(signal.SIGCONT)
     code = process.wait(injection.PATIENCE)
     trial.expect(code in (-signal.SIGINT, INTERRUPTED, DONE), f"ended with {code}")
-    return trial.close()
+    return trial.close(code == -signal.SIGINT)
 
 
 def interrupted_demo(home):
@@ -237,15 +329,6 @@ def internal_error(home):
     return [] if right and not left else [f"no GL context: ended with {done.returncode}: {done.stderr[-300:]}; left {left}"]
 
 
-def state_of(process):
-    """Of /proc: R, S, T for stopped, Z; empty when there is none."""
-    try:
-        with open(f"/proc/{process}/stat", encoding="utf-8") as file:
-            return file.read().rsplit(")", 1)[1].split()[0]
-    except FileNotFoundError:
-        return ""
-
-
 def await_state(process, states):
     give_up = time.monotonic() + injection.PATIENCE
     while state_of(process) not in states and time.monotonic() < give_up:
@@ -257,13 +340,11 @@ def while_surveyed(home):
     """A command that waits for the child that surveys its run.h5, and that child, stopped at a read."""
     for number in range(1, 50):
         process = injection.start(["render", "run", "--frames", "-o", "surveyed", *injection.PICTURE], home,
-                                  environment(under=os.path.join(home, "run", "run.h5"), calls="r", at=number, do="stop"),
+                                  environment(under=os.path.join(home, "run", "run.h5"), calls=LOOKS, at=number, do="stop"),
                                   stderr=subprocess.PIPE, text=True, start_new_session=True)
-        while process.poll() is None and state_of(process.pid) != "T":
-            stopped = [child for child in children_of(process.pid) if state_of(child) == "T"]
-            if stopped:
-                return process, stopped[0]
-            time.sleep(0.01)
+        stopped = stopped_process(process)
+        if stopped not in (None, process.pid):
+            return process, stopped
         process.kill()
         process.communicate()
     raise AssertionError("expected a child that reads run.h5, found none")
@@ -294,13 +375,6 @@ def interrupted_while_surveying(home):
 MEMORY = ["memory", "allocat", "Cannot allocate", "Resource temporarily unavailable"]
 
 
-def count_reads(stage, home):
-    log, folder = os.path.join(stage.home, "reads"), stage.trial("reads_counted")
-    run(stage.arguments, folder, environment(under=home, calls="r", log=log))
-    shutil.rmtree(folder)
-    return len(read(log).splitlines())
-
-
 @functools.cache
 def least_memory():
     """Megabytes of addresses without which the program's libraries are not even loaded."""
@@ -310,37 +384,42 @@ def least_memory():
                                   ).returncode == DONE)
 
 
-def trials_of(stage, home, amount, chance):
+def trials_of(stage, amount, chance):
     """Name of the fault -> functions that try it."""
-    calls, reads = len(stage.count_calls(CHANGES)), count_reads(stage, home)
+    measured = Measured(stage)
 
-    def several(function, *rest):
-        return [lambda n=n: function(stage, n, *rest) for n in spread(calls, amount, chance)]
+    def several(count, function, *rest):
+        return [lambda n=n: function(stage, n, *rest) for n in spread(count, amount, chance)]
+
+    def stops(with_signal):
+        return [lambda d=chance.uniform(0.0, 0.6 * stage.duration): signalled(stage, with_signal, d) for _ in range((amount + 1) // 2)]
 
     outputs = sorted(name for name in stage.new if not injection.is_temporary(name) and name != "checkpoint")
-    signals = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
-    delays = [(chance.choice(signals), chance.uniform(0.05, stage.duration)) for _ in range(amount)]
-    megabytes = [least_memory() + chance.randrange(8, 400) for _ in range(amount)]
+    lacks = [chance.uniform(0.05, 0.95) for _ in range(amount)]
+    megabytes = [round(least_memory() + lack * (measured.peak - least_memory())) for lack in lacks]
     return {
-        "a full disk, from a call on": several(refused_call, errno.ENOSPC, True),
-        "a full disk, at one call": several(refused_call, errno.ENOSPC, False),
+        "a full disk, from a call on": several(measured.changes, refused_call, errno.ENOSPC, True),
+        "a full disk, at one call": several(measured.changes, refused_call, errno.ENOSPC, False),
         "a read-only folder": [lambda: refused_call(stage, 1, errno.EROFS, True)],
-        "a disk that refuses a call with EIO": several(refused_call, errno.EIO, False),
-        "a disk that breaks while an input is read":
-            [lambda n=n: unreadable_input(stage, n, home) for n in spread(reads, amount, chance)],
+        "a disk that refuses a call with EIO": several(measured.changes, refused_call, errno.EIO, False),
+        "a disk that breaks while an input is read": several(measured.looks, unreadable_input),
+        "an input taken away meanwhile":
+            [lambda n=n: vanished_input(stage, n, measured.opened[n - 1]) for n in spread(len(measured.opened), amount, chance)],
+        "the folder of all inputs taken away meanwhile": several(len(measured.opened), vanished_input, INPUTS),
         "a limit on the size of files":
-            [(lambda n=n: limited(stage, "a file size limit", resource.RLIMIT_FSIZE, n, [os.strerror(errno.EFBIG)]))
-             for n in (0, 1000, 100000)[:amount]],
+            [lambda n=n: limited(stage, "a file size limit", resource.RLIMIT_FSIZE, n, [os.strerror(errno.EFBIG)])
+             for n in (0, measured.largest // 2, 1000)[:amount]],
         "too little memory":
             [lambda n=n: limited(stage, "memory", resource.RLIMIT_AS, n << 20, MEMORY) for n in megabytes],
-        "SIGINT, SIGTERM or SIGHUP":
-            [(lambda s=s, d=d: signalled(stage, s, d)) for s, d in delays],
+        "SIGINT": stops(signal.SIGINT),
+        "SIGTERM": stops(signal.SIGTERM),
+        "SIGHUP": stops(signal.SIGHUP),
         "a second Ctrl-C": [lambda: stopped_twice(stage)],
         "stdout closed": [lambda: closed_stdout(stage)],
         "stderr closed": [lambda: closed_stderr(stage)],
-        "the output folder removed meanwhile": several(vanished_output),
+        "the output folder removed meanwhile": several(measured.changes, vanished_output),
         "a folder in place of an output file":
-            [(lambda name=name: folder_in_place_of(stage, name)) for name in outputs[:amount]],
+            [lambda name=name: folder_in_place_of(stage, name) for name in outputs[:amount]],
         "two processes at once": [lambda: two_at_once(stage)],
         "a clock that runs backwards": [lambda: backward_clock(stage)],
     }
@@ -349,6 +428,13 @@ def trials_of(stage, home, amount, chance):
 ALONE = {"the demo interrupted": interrupted_demo, "--help into a closed pipe": lambda home: closed_help(),
          "a fault of the program's own": internal_error, "SIGKILL while run.h5 is surveyed": killed_while_surveying,
          "SIGINT while run.h5 is surveyed": interrupted_while_surveying}
+
+
+def row(what, struck, tried, wrong):
+    """Faults that struck; at least half of those tried must, or the row says nothing."""
+    if 2 * struck < tried:
+        wrong += told([f"{what}: expected half of {tried} faults to strike, {struck} did"])
+    return {"what": what, "count": struck, "result": f"struck of {tried} tried, {len(wrong)} failures"}
 
 
 def main():
@@ -360,32 +446,33 @@ def main():
     options = parser.parse_args()
     amount = 4 if options.thorough else 1
     turns = 5  # the short form tries every fault in two of ten stages
-    counts, failures = {}, []
+    if signal.getsignal(signal.SIGHUP) == signal.SIG_IGN:  # under nohup: what is started here must not ignore it, too
+        signal.signal(signal.SIGHUP, lambda *_: None)
+    counts = {}  # of each fault: those that struck, those tried, what is wrong
     with tempfile.TemporaryDirectory() as home, ThreadPoolExecutor(2) as workers:
-        for place, stage in enumerate(stages(home)):
+        made = os.path.join(home, "made")
+        os.mkdir(made)
+        for place, stage in enumerate(stages(made)):
             if options.only not in (None, stage.name):
                 continue
             stage.prepare(home)
+            own_inputs(stage, made)
             chance = seeded(f"{SEED} faults {stage.name}")
             print(stage.name, file=sys.stderr, flush=True)
             kinds = {name: [workers.submit(trial) for trial in trials]
-                     for turn, (name, trials) in enumerate(trials_of(stage, home, amount, chance).items())
+                     for turn, (name, trials) in enumerate(trials_of(stage, amount, chance).items())
                      if options.fault == name or (options.fault is None
                                                   and (options.thorough or turn % turns == place % turns))}
             for name, jobs in kinds.items():
-                wrong = told([fault for job in jobs for fault in job.result()])
-                injected, lost = counts.get(name, (0, 0))
-                counts[name] = (injected + len(jobs), lost + len(wrong))
-                failures += wrong
+                counts[name] = tuple(map(operator.add, counts.get(name, (0, 0, [])), added(jobs)))
             shutil.rmtree(stage.home)
         if options.only is None and options.fault is None:
-            for name, fault in ALONE.items():
-                wrong = told(fault(home))
-                counts[name] = (1, len(wrong))
-                failures += wrong
-    rows = [{"what": name, "count": injected, "result": f"{lost} failures"} for name, (injected, lost) in counts.items()]
-    notes = ["Behind each fault: exit code and message are looked at, every file is the old one or the new one, and the "
-             "same command without the fault gives the bytes that it always gives."]
+            counts |= {name: (1, 1, told(fault(made))) for name, fault in ALONE.items()}
+    rows = [row(name, *count) for name, count in counts.items()]
+    failures = [fault for _, _, wrong in counts.values() for fault in wrong]
+    notes = ["Counted are the faults that struck: the call was reached, the command was stopped or ended with an error; of each kind at "
+             "least half of those tried do. Behind each: exit code and message are looked at, every file is the old one or the new one, "
+             "and the same command without the fault gives the bytes that it always gives."]
     sys.exit(finish("faults", "Faults injected", rows, notes, failures, options.output))
 
 

@@ -1,7 +1,8 @@
 // Stands between a program and the C library (LD_PRELOAD) and injects a fault into its N-th call on files below a
 // folder.
 //   GROUSER_FAULT_UNDER  the folder, absolute
-//   GROUSER_FAULT_CALLS  which calls count: w rite, s ync, n ame (rename, remove, make a folder), c reate, r ead
+//   GROUSER_FAULT_CALLS  which calls count: w rite, s ync, n ame (rename, remove, make a folder), c reate, o pen what
+//                        is there, r ead
 //   GROUSER_FAULT_AT     N, from 1; no fault without it
 //   GROUSER_FAULT_DO     kill | half (do half of a write, or all of another call, then kill) | stop (SIGSTOP before) |
 //                        number of an error, once | the same with + behind it: from there on.
@@ -211,7 +212,7 @@ ssize_t pread64(int from, void* bytes, size_t size, off64_t where) {
   JUDGED(judge_open_file('r', from), real(from, bytes, size, where), 0);
 }
 
-static char kind_of(int flags) { return flags & O_CREAT ? 'c' : 'r'; }
+static char kind_of(int flags) { return flags & O_CREAT ? 'c' : 'o'; }
 
 #define OPENED(name)                                                                       \
   int name(const char* path, int flags, ...) {                                             \
@@ -240,7 +241,7 @@ OPENED_AT(openat64)
 #define FILE_OPENED(name)                                                                        \
   FILE* name(const char* path, const char* mode) {                                               \
     REAL(name);                                                                                  \
-    const enum Verdict judged = judge(strchr(mode, 'w') || strchr(mode, 'a') ? 'c' : 'r', path); \
+    const enum Verdict judged = judge(strchr(mode, 'w') || strchr(mode, 'a') ? 'c' : 'o', path); \
     if (judged == refuse) return NULL;                                                           \
     FILE* opened = real(path, mode);                                                             \
     if (judged == then_die) die();                                                               \

@@ -99,11 +99,22 @@ def not_finite(file):
     return wrong
 
 
-def readable(part, name, folder, pictures):
-    """The rows until the failure, and every way to look at them."""
+def recorded(part, name, folder, summary):
+    """All that was computed until the failure stands in run.h5: every step, and the rows that were due. Time 0 is no step."""
+    end, stated = summary["simulated_time_s"], re.search(rf"at ({NUMBER}) s", summary["message"])
+    part.require(stated and abs(float(stated[1]) - end) < 1e-4, f"{name}: ends at {end} s, and says: {summary['message']}")
+    with open(os.path.join(folder, "run/inputs/scenario.json"), encoding="utf-8") as file:
+        output = json.load(file)["output"]
     with h5py.File(os.path.join(folder, "run/run.h5"), "r") as file:
-        part.require(file["time"].shape[0] >= 1, f"{name}: run.h5 has no sample")
         part.require(not_finite(file) == [], f"{name}: no numbers in {not_finite(file)}")
+        for path, before, interval in (("time", math.nan, 1 / output["rate_Hz"]),
+                                       ("probes/time", math.nan, 1 / output["probe_rate_Hz"]), ("steps/time", 0.0, 0.0)):
+            last = [before, *file[path]][-1]
+            part.require(-1e-9 < end - last < interval + 1e-9, f"{name}: /{path} ends at {last} s, the run at {end} s")
+
+
+def readable(part, name, folder, pictures):
+    """Every way to look at the rows until the failure."""
     looks = [["report", "run", "-o", "report.html"], ["plot", "run", "--figure", "tension", "-o", "tension.svg"],
              ["export", "run", "--format", "csv", "-o", "csv"]]
     if pictures:
@@ -126,9 +137,10 @@ def under_way(part, thorough):
             part.require(summary["status"] == "failed", f"{name}: status {summary['status']}")
             part.require(summary["message"] in done.stderr, f"{name}: stderr says otherwise: {done.stderr}")
             says(part, name, summary["message"], expected)
+            recorded(part, name, folder, summary)
             looked += readable(part, name, folder, thorough or number == 0)
     part.row("runs that fail under way: " + ", ".join(FAIL_UNDER_WAY), len(FAIL_UNDER_WAY),
-             "exit code 4, status failed, with time, part, quantity, value and remedy")
+             "exit code 4, status failed, with time, part, quantity, value and remedy; run.h5 holds every step until then")
     part.row("reports, plots, tables and pictures of those runs", looked, "all made, every number finite")
 
 
