@@ -4,7 +4,6 @@ two processes at once and a clock that runs backwards: a clear message, the righ
 import argparse
 import errno
 import functools
-import operator
 import os
 import re
 import resource
@@ -18,7 +17,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import injection
 from injection import COMMAND, DATA, children_of, environment, finish, read, run, seeded, short_data, spread, stages, told, tree
-from kills import CHANGES, SEED, added
+from kills import CHANGES, SEED, Count
 
 DONE, BAD_INPUT, FILE_FAILURE, INTERNAL_ERROR, INTERRUPTED = 0, 3, 5, 70, 130
 LOOKS = "or"  # opens of what is there, reads
@@ -28,7 +27,7 @@ GONE = os.strerror(errno.ENOENT)
 
 def own_inputs(stage, made):
     """Every trial of the stage gets inputs of its own, of those in `made` and of the data, which it may lose."""
-    for source, names in ((made, os.listdir(made)), (DATA, ("scenarios", "vehicles", "bushings"))):
+    for source, names in ((made, os.listdir(made)), (DATA, ("scenarios", "vehicles", "bushings", "terrain"))):
         if any(word.startswith(source + os.sep) for word in stage.arguments):
             for name in names:
                 shutil.copytree(os.path.join(source, name), os.path.join(stage.old_folder(), INPUTS, name))
@@ -96,12 +95,12 @@ class Trial:
         self.expect(all(place in error and any(reason in error for reason in reasons) for error in errors), f"gave no reason: {errors}")
 
     def close(self, struck, whole=True):
-        """Looks at what is left, and at what the next command makes of it; whether the fault struck, of one trial, what is wrong."""
+        """Looks at what is left, and at what the next command makes of it."""
         if whole:
             self.wrong += [f"{self.what}: {fault}" for fault in self.stage.torn(self.folder)]
         self.wrong += [f"{self.what}: {fault}" for fault in self.stage.recover(self.folder)]
         shutil.rmtree(self.folder)
-        return int(struck), 1, ["; ".join(self.wrong[:4])] if self.wrong else []
+        return Count(int(struck), 1, wrong=["; ".join(self.wrong[:4])] if self.wrong else [])
 
 
 def refused_call(stage, number, error, lasting):
@@ -430,11 +429,12 @@ ALONE = {"the demo interrupted": interrupted_demo, "--help into a closed pipe": 
          "SIGINT while run.h5 is surveyed": interrupted_while_surveying}
 
 
-def row(what, struck, tried, wrong):
+def row(what, count):
     """Faults that struck; at least half of those tried must, or the row says nothing."""
-    if 2 * struck < tried:
-        wrong += told([f"{what}: expected half of {tried} faults to strike, {struck} did"])
-    return {"what": what, "count": struck, "result": f"struck of {tried} tried, {len(wrong)} failures"}
+    if 2 * count.struck < count.tried:
+        count.wrong.append(f"{what}: expected half of {count.tried} faults to strike, {count.struck} did")
+    told(count.wrong)
+    return {"what": what, "count": count.struck, "result": f"struck of {count.tried} tried, {len(count.wrong)} failures"}
 
 
 def main():
@@ -448,7 +448,7 @@ def main():
     turns = 5  # the short form tries every fault in two of ten stages
     if signal.getsignal(signal.SIGHUP) == signal.SIG_IGN:  # under nohup: what is started here must not ignore it, too
         signal.signal(signal.SIGHUP, lambda *_: None)
-    counts = {}  # of each fault: those that struck, those tried, what is wrong
+    counts = {}  # of each fault
     with tempfile.TemporaryDirectory() as home, ThreadPoolExecutor(2) as workers:
         made = os.path.join(home, "made")
         os.mkdir(made)
@@ -464,12 +464,12 @@ def main():
                      if options.fault == name or (options.fault is None
                                                   and (options.thorough or turn % turns == place % turns))}
             for name, jobs in kinds.items():
-                counts[name] = tuple(map(operator.add, counts.get(name, (0, 0, [])), added(jobs)))
+                counts[name] = sum((job.result() for job in jobs), counts.get(name, Count()))
             shutil.rmtree(stage.home)
         if options.only is None and options.fault is None:
-            counts |= {name: (1, 1, told(fault(made))) for name, fault in ALONE.items()}
-    rows = [row(name, *count) for name, count in counts.items()]
-    failures = [fault for _, _, wrong in counts.values() for fault in wrong]
+            counts |= {name: Count(1, 1, wrong=fault(made)) for name, fault in ALONE.items()}
+    rows = [row(name, count) for name, count in counts.items()]
+    failures = [fault for count in counts.values() for fault in count.wrong]
     notes = ["Counted are the faults that struck: the call was reached, the command was stopped or ended with an error; of each kind at "
              "least half of those tried do. Behind each: exit code and message are looked at, every file is the old one or the new one, "
              "and the same command without the fault gives the bytes that it always gives."]
