@@ -12,6 +12,8 @@ namespace {
 
 constexpr long k_steps_between_reports = 500;
 constexpr double k_save_period = 2.0;  // s simulated; what --resume computes again, and a chunk, at most
+/// A chunk of samples fills a little before or after its time: the save that is due with it must not wait for the next.
+constexpr double k_early = 0.5 * k_chunk_time;
 
 }  // namespace
 
@@ -77,7 +79,7 @@ RunStatus RunLoop::go(const Progress& progress, RunSummary& summary) {
         save();
         return RunStatus::stopped;
       }
-      if (recorder_.chunk_filled()) keep();
+      if (recorder_.chunk_filled() || stepper_.state().time > std::max(saved_, 0.0) + k_save_period + k_early) keep();
     }
   }
   summary.message = fmt::format("{:.3f} s simulated", stepper_.state().time) + remarks(system_, measures());
@@ -120,9 +122,9 @@ bool RunLoop::report(const Progress& progress, RunSummary& summary) const {
   return false;
 }
 
-/// Makes the run so far safe from a kill.
+/// Makes the run so far safe from a kill. Samples may be so sparse that no chunk of them fills in time.
 void RunLoop::keep() {
-  if (stepper_.state().time >= saved_ + k_save_period) {
+  if (stepper_.state().time >= saved_ + k_save_period - k_early) {
     save();
   } else {
     recorder_.flush();

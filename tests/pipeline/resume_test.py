@@ -100,6 +100,12 @@ class Resume(unittest.TestCase):
         self.compare(folder)
         self.assertEqual(memory_of(file)["all"], memory_of(last)["all"])  # of rubber, ground, integrator and recorder, far behind
 
+    def test_a_checkpoint_stands_every_two_seconds_however_few_the_samples(self):
+        folder = self.folder("sparse")
+        run(*SIMULATE, "--set", "output.rate_Hz=0.01", cwd=folder)
+        for place, least, most in ((self.whole, 2.2, 2.6), (folder, 2.2, 2.3)):  # with its second chunk behind two seconds, or without one
+            self.assertTrue(least < memory_of(os.path.join(place, "run", "checkpoint"))["time"] < most)
+
     def test_an_interrupted_run_goes_on_where_it_stopped(self):
         folder = self.folder("interrupted")
         self.assertEqual(self.stop_at_first_checkpoint(folder, signal.SIGINT), 130)
