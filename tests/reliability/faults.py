@@ -39,11 +39,13 @@ class Measured:
 
     def __init__(self, stage):
         folder, log = stage.trial("measured"), os.path.join(stage.home, "looks")
-        process = injection.start(stage.arguments, folder, environment(under=folder, calls=LOOKS, log=log))
-        self.peak = 0  # MB of addresses
+        env = environment(under=folder, calls=LOOKS, log=log)
+        env["MALLOC_ARENA_MAX"] = "1"  # no addresses that are reserved, and not needed
+        process = injection.start(stage.arguments, folder, env)
+        self.peak = 0  # kB of addresses
         while process.poll() is None:
             with open(f"/proc/{process.pid}/status", encoding="utf-8") as file:
-                self.peak = max([self.peak, *(int(line.split()[1]) >> 10 for line in file if line.startswith("VmPeak"))])
+                self.peak = max([self.peak, *(int(line.split()[1]) for line in file if line.startswith("VmPeak"))])
             time.sleep(0.01)
         if process.returncode != DONE:
             raise AssertionError(f"{stage.name} ended with {process.returncode} under the interposer")
@@ -115,7 +117,8 @@ def unreadable_input(stage, number):
     """A disk that breaks while an input is read: never a result from a part of it."""
     trial = Trial(stage, f"EIO at look {number}")
     done = run(stage.arguments, trial.folder, trial.fault(".", LOOKS, number, errno.EIO))
-    trial.expect_end(done.returncode, done.stderr, ["cannot read", "cannot open", os.strerror(errno.EIO)])
+    trial.expect_end(done.returncode, done.stderr, ["cannot read", "cannot open", os.strerror(errno.EIO)],
+                     codes=(FILE_FAILURE, BAD_INPUT))
     return trial.close(trial.reached(number))
 
 
@@ -222,7 +225,7 @@ def vanished_output(stage, number):
 
     def remove():
         try:
-            stood.append(tree(trial.out) == stage.new)
+            stood.append(stage.new.items() <= tree(trial.out).items())
         except (OSError, ValueError):  # half a file
             stood.append(False)
         shutil.rmtree(trial.out, ignore_errors=True)
@@ -376,11 +379,14 @@ MEMORY = ["memory", "allocat", "Cannot allocate", "Resource temporarily unavaila
 
 @functools.cache
 def least_memory():
-    """Megabytes of addresses without which the program's libraries are not even loaded."""
-    return next(size for size in range(100, 10000, 20)
-                if subprocess.run([COMMAND, "--version"], capture_output=True,
-                                  preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (size << 20, size << 20))
-                                  ).returncode == DONE)
+    """Kilobytes of addresses without which the program's libraries are not even loaded."""
+    short, enough = 0, 10 << 20
+    while enough - short > 64:
+        size = (short + enough) // 2
+        done = subprocess.run([COMMAND, "--version"], capture_output=True,
+                              preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (size << 10, size << 10)))
+        short, enough = (short, size) if done.returncode == DONE else (size, enough)
+    return enough
 
 
 def trials_of(stage, amount, chance):
@@ -394,8 +400,8 @@ def trials_of(stage, amount, chance):
         return [lambda d=chance.uniform(0.0, 0.6 * stage.duration): signalled(stage, with_signal, d) for _ in range((amount + 1) // 2)]
 
     outputs = sorted(name for name in stage.new if not injection.is_temporary(name) and name != "checkpoint")
-    lacks = [chance.uniform(0.05, 0.95) for _ in range(amount)]
-    megabytes = [round(least_memory() + lack * (measured.peak - least_memory())) for lack in lacks]
+    shares = [0.9 * (part + chance.random()) / amount for part in range(amount)]
+    memories = [least_memory() + round(share * (measured.peak - least_memory())) for share in shares]
     return {
         "a full disk, from a call on": several(measured.changes, refused_call, errno.ENOSPC, True),
         "a full disk, at one call": several(measured.changes, refused_call, errno.ENOSPC, False),
@@ -409,7 +415,7 @@ def trials_of(stage, amount, chance):
             [lambda n=n: limited(stage, "a file size limit", resource.RLIMIT_FSIZE, n, [os.strerror(errno.EFBIG)])
              for n in (0, measured.largest // 2, 1000)[:amount]],
         "too little memory":
-            [lambda n=n: limited(stage, "memory", resource.RLIMIT_AS, n << 20, MEMORY) for n in megabytes],
+            [lambda n=n: limited(stage, "memory", resource.RLIMIT_AS, n << 10, MEMORY) for n in memories],
         "SIGINT": stops(signal.SIGINT),
         "SIGTERM": stops(signal.SIGTERM),
         "SIGHUP": stops(signal.SIGHUP),
