@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "cli/command.h"
+#include "cli/interrupt.h"
 #include "cli/stages.h"
 #include "cli/usage.h"
 #include "reports/report.h"
@@ -35,6 +36,7 @@ Result run(const Options& options) {
       options.file.empty() ? fs::path(options.run_folder) / (options.figure + ".png") : fs::path(options.file);
   const RunFolder opened = open_run_folder(options.run_folder);
   const Figure figure = make_run_figure(opened, options.figure);
+  if (interrupted()) throw Interrupted("before the figure was drawn");
   const Theme theme = options.dark ? Theme::dark : Theme::light;
   if (file.has_parent_path()) fs::create_directories(file.parent_path());
   if (file.extension() == ".svg") {

@@ -1,8 +1,12 @@
 #include "model/hdf5_handle.h"
 
+#include <fcntl.h>
+
 #include <algorithm>
 #include <array>
 #include <string_view>
+
+#include "model/descriptor.h"
 
 namespace grouser {
 namespace {
@@ -23,6 +27,11 @@ herr_t take_reason(unsigned, const H5E_error2_t* error, void* reason) {
 }
 
 }  // namespace
+
+std::string why_not_opened(const std::filesystem::path& file, const std::string& otherwise) {
+  const Descriptor opened(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  return opened.number() < 0 ? std::strerror(errno) : otherwise;
+}
 
 void fail_hdf5(const std::string& action, const std::filesystem::path& file) {
   Reason reason = {};

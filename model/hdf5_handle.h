@@ -31,6 +31,8 @@ class Hdf5Handle {
     if (id_ >= 0) close_(id_);
     id_ = H5I_INVALID_HID;
   }
+  /// Lets go of what is not to be closed.
+  void release() { id_ = H5I_INVALID_HID; }
   [[nodiscard]] hid_t id() const { return id_; }
   [[nodiscard]] explicit operator bool() const { return id_ >= 0; }
 
@@ -58,6 +60,9 @@ inline void silence_hdf5() {
   if (!opened) opened = Hdf5Handle(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   return opened;
 }
+
+/// Why a file could not be opened: the system's reason, or `otherwise` where the system can open it.
+[[nodiscard]] std::string why_not_opened(const std::filesystem::path& file, const std::string& otherwise);
 
 /// Type of a text in memory: UTF-8 of any length.
 [[nodiscard]] inline Hdf5Handle text_in_memory() {

@@ -257,7 +257,7 @@ herr_t visit_object(hid_t file, const char* name, const H5O_info_t* info, void* 
 std::string fault_of_hdf5(const std::filesystem::path& path) {
   silence_hdf5();
   const Hdf5Handle file = open_hdf5(path);
-  if (!file) return "no HDF5 file, or one that is cut short or damaged";
+  if (!file) return why_not_opened(path, "no HDF5 file, or one that is cut short or damaged");
   struct stat status = {};
   if (::stat(path.c_str(), &status) != 0) return std::strerror(errno);
   constexpr hsize_t k_block = 512;  // bytes, whatever the file system's own
@@ -271,18 +271,31 @@ std::string fault_of_hdf5(const std::filesystem::path& path) {
 
 namespace {
 
+/// Bytes of addresses that this process may come to, with what a survey takes at most; and that limit of the system's.
+struct MemoryLimits {
+  rlim_t wanted = 0;
+  rlimit system{};
+};
+
+MemoryLimits memory_limits() {
+  std::size_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  MemoryLimits limits{static_cast<rlim_t>(pages) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE)) + k_most_memory, {}};
+  getrlimit(RLIMIT_AS, &limits.system);
+  return limits;
+}
+
 /// May crash, at no cost to the program.
 void prepare_for_the_worst(const std::filesystem::path& file) {
   for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGALRM, SIGXCPU}) std::signal(signal, SIG_DFL);
   // Ctrl-C and Ctrl-Z reach the whole group of processes: they say nothing of the file, and the parent answers them.
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGTSTP}) std::signal(signal, SIG_IGN);
-  std::size_t pages = 0;
-  std::ifstream("/proc/self/statm") >> pages;
-  const auto now = static_cast<rlim_t>(pages) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
+  const MemoryLimits limits = memory_limits();
+  const rlim_t most = std::min(limits.wanted, limits.system.rlim_cur);
   std::error_code unknown;
   const std::uintmax_t size = std::filesystem::file_size(file, unknown);
   const rlim_t seconds = k_least_seconds + (unknown ? 0 : size / k_bytes_a_second);
-  const rlimit memory{now + k_most_memory, now + k_most_memory}, time{seconds, seconds + 1}, none{0, 0};
+  const rlimit memory{most, most}, time{seconds, seconds + 1}, none{0, 0};
   setrlimit(RLIMIT_AS, &memory);
   setrlimit(RLIMIT_CPU, &time);
   setrlimit(RLIMIT_CORE, &none);
@@ -336,6 +349,8 @@ std::string failure_of(pid_t child) {
 
 void survey_hdf5(const std::filesystem::path& file) {
   const std::string refusal = "cannot read " + printable(file.string()) + ": ";
+  const MemoryLimits limits = memory_limits();
+  const std::string doubt = limits.system.rlim_cur < limits.wanted ? ", or too little memory to read it" : "";
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw FileError(refusal + std::strerror(errno));
   const pid_t parent = ::getpid(), child = ::fork();
@@ -343,8 +358,8 @@ void survey_hdf5(const std::filesystem::path& file) {
   ::close(ends[1]);
   const std::string fault = take_all(ends[0]);
   if (child < 0) throw FileError(refusal + std::strerror(errno));
-  if (const std::string failure = failure_of(child); !failure.empty()) throw FileError(refusal + failure);
-  if (!fault.empty()) throw FileError(refusal + printable(fault));
+  if (const std::string failure = failure_of(child); !failure.empty()) throw FileError(refusal + failure + doubt);
+  if (!fault.empty()) throw FileError(refusal + printable(fault) + doubt);
 }
 
 }  // namespace grouser

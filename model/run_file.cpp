@@ -1,12 +1,8 @@
 #include "model/run_file.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <system_error>
 
-#include "model/descriptor.h"
 #include "model/hdf5_superblock.h"
 #include "model/replace_file.h"
 
@@ -107,13 +103,13 @@ RunFile::RunFile(const std::filesystem::path& path, std::vector<ChannelTable> ta
   if (H5Fstart_swmr_write(file_.id()) < 0) fail_hdf5("start writing", final_path_);
 }
 
-/// Whatever HDF5 still holds back goes nowhere: closed, it would write lengths of what did not reach the disk. What a
-/// refused write leaves is what a kill would leave.
+/// Lets HDF5 keep what it still holds back, until the process ends: closed, it would write lengths of what did not
+/// reach the disk, or trip over its own lists where memory was out. What a refused write leaves is what a kill would
+/// leave.
 void RunFile::freeze() {
-  void* handle = nullptr;
-  const Descriptor nowhere(::open("/dev/null", O_RDWR | O_CLOEXEC));
-  if (nowhere.number() < 0 || H5Fget_vfd_handle(file_.id(), H5P_DEFAULT, &handle) < 0) return;
-  ::dup3(nowhere.number(), *static_cast<const int*>(handle), O_CLOEXEC);
+  for (std::vector<Hdf5Handle>& table : datasets_)
+    for (Hdf5Handle& dataset : table) dataset.release();
+  file_.release();
 }
 
 void RunFile::fail(const std::string& action) {

@@ -97,10 +97,11 @@ RunReader::RunReader(const std::filesystem::path& file) : impl_(std::make_unique
   silence_hdf5();
   impl_->path = file;
   impl_->file = open_hdf5(file);
+  const std::string refusal = "cannot read " + file.string() + ": ", damaged = "not a readable HDF5 file";
+  if (!impl_->file) throw FileError(refusal + why_not_opened(file, damaged));
   // In the file's own order: sorted, HDF5 1.10 frees a list of links that a failed read has left unfilled.
-  if (!impl_->file ||
-      H5Ovisit2(impl_->file.id(), H5_INDEX_NAME, H5_ITER_NATIVE, collect_dataset, &impl_->shapes, H5O_INFO_BASIC) < 0) {
-    throw FileError("cannot read " + file.string() + ": not a readable HDF5 file");
+  if (H5Ovisit2(impl_->file.id(), H5_INDEX_NAME, H5_ITER_NATIVE, collect_dataset, &impl_->shapes, H5O_INFO_BASIC) < 0) {
+    throw FileError(refusal + damaged);
   }
   impl_->cut_to_common_rows();
 }
