@@ -46,7 +46,8 @@ struct Child {
   ProgressReport report;
 };
 
-[[noreturn]] void live_as_child(const Job& job, pid_t parent, int pipe) {
+/// No exception leaves it: it would pass through what belongs to the parent.
+[[noreturn]] void live_as_child(const Job& job, pid_t parent, int pipe) noexcept {
   // Own group: Ctrl-C on the terminal reaches the parent alone, which passes it on once.
   setpgid(0, 0);
   // What outlived its parent would keep the lock of the run folder that the next command wants: it ends as at Ctrl-C.
@@ -123,7 +124,7 @@ ExitCode wait_for(Child& child, int& killed) {
   while ((result = waitpid(child.process, &status, 0)) < 0 && errno == EINTR) {
   }
   child.process = -1;
-  if (result < 0) return ExitCode::file_failure;
+  if (result < 0) throw FileError(fmt::format("cannot learn how a part of the work ended: {}", std::strerror(errno)));
   if (WIFEXITED(status)) return static_cast<ExitCode>(WEXITSTATUS(status));
   const int signal = WTERMSIG(status);
   if (signal == SIGINT || signal == SIGTERM || signal == SIGHUP) return ExitCode::interrupted;

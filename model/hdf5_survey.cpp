@@ -13,6 +13,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <exception>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -23,7 +24,8 @@ namespace grouser {
 namespace {
 
 constexpr hsize_t k_most_objects = 100'000, k_most_chunk_bytes = 64u << 20, k_most_texts = 1'000'000;
-constexpr hsize_t k_most_deflated = 1032;  // times; what zlib can make of a byte
+constexpr hsize_t k_most_old_chunks = 10'000;  // each is sought from the first on
+constexpr hsize_t k_most_deflated = 1032;      // times; what zlib can make of a byte
 /// Values in all that any file may hold, and more for each byte on the disk: a run packs its numbers to a third or so.
 constexpr hsize_t k_most_values = 200'000'000, k_most_values_a_byte = 4;
 /// Stored bytes in all beyond those on the disk, where a file system packs or has not written them yet.
@@ -37,15 +39,29 @@ struct Survey {
   hid_t file;
   hsize_t on_disk;  ///< bytes; a file with holes has fewer than its size
   hsize_t objects = 0, values = 0, stored = 0;
-  std::string fault{};  ///< empty: none
+  std::string fault{};         ///< empty: none
+  std::exception_ptr error{};  ///< of a visit: HDF5 calls it with its lock held, which no exception may pass
 };
+
+/// A visit that keeps what it throws.
+template <typename Visit>
+herr_t kept_error(Survey& survey, const Visit& visit) noexcept {
+  try {
+    visit();
+    return survey.fault.empty() ? 0 : 1;
+  } catch (...) {
+    survey.error = std::current_exception();
+    return -1;
+  }
+}
 
 /// A link into another file, or by name, leads where nobody looked.
 herr_t visit_link(hid_t, const char* name, const H5L_info_t* info, void* data) {
   Survey& survey = *static_cast<Survey*>(data);
-  if (++survey.objects > k_most_objects) survey.fault = "more than " + std::to_string(k_most_objects) + " objects";
-  if (info->type != H5L_TYPE_HARD) survey.fault = std::string("/") + name + " is a link to another place";
-  return survey.fault.empty() ? 0 : 1;
+  return kept_error(survey, [&] {
+    if (++survey.objects > k_most_objects) survey.fault = "more than " + std::to_string(k_most_objects) + " objects";
+    if (info->type != H5L_TYPE_HARD) survey.fault = std::string("/") + name + " is a link to another place";
+  });
 }
 
 bool is_number(hid_t type) { return H5Tequal(type, H5T_IEEE_F64LE) > 0 || H5Tequal(type, H5T_IEEE_F32LE) > 0; }
@@ -120,15 +136,20 @@ struct Chunks {
 
 /// Without a filter only the index of old files states a size for each chunk. No run has one: HDF5 seeks each from the
 /// index's begin.
-bool plain_chunks_are_whole(const Chunks& chunks) {
+std::string fault_of_plain_chunks(const Chunks& chunks) {
+  const std::string cut = "has chunks that are cut short";
   H5D_chunk_index_t index{};
-  if (H5Dget_chunk_index_type(chunks.set, &index) < 0) return false;
-  for (hsize_t i = 0; index == H5D_CHUNK_IDX_BTREE && i < chunks.count; ++i) {
-    hsize_t size = 0;
-    if (H5Dget_chunk_info(chunks.set, chunks.space, i, nullptr, nullptr, nullptr, &size) < 0) return false;
-    if (size != chunks.bytes) return false;
+  if (H5Dget_chunk_index_type(chunks.set, &index) < 0) return cut;
+  if (index != H5D_CHUNK_IDX_BTREE) return "";
+  if (chunks.count > k_most_old_chunks) {
+    return "has more than " + std::to_string(k_most_old_chunks) + " chunks in an index of old files";
   }
-  return true;
+  for (hsize_t i = 0; i < chunks.count; ++i) {
+    hsize_t size = 0;
+    const bool told = H5Dget_chunk_info(chunks.set, chunks.space, i, nullptr, nullptr, nullptr, &size) >= 0;
+    if (!told || size != chunks.bytes) return cut;
+  }
+  return "";
 }
 
 /// Whether a chunk, packed as it is stored, is one to the byte. Both buffers are for use again.
@@ -159,7 +180,7 @@ bool next_chunk(const Chunks& chunks, const Shape& shape, std::array<hsize_t, k_
 /// HDF5 takes whatever a chunk unpacks to for the whole chunk, and reads past the end of what is less.
 void survey_chunks(const Chunks& chunks, const Shape& shape, const Filters& filters, std::string& fault) {
   if (filters.count == 0) {
-    if (!plain_chunks_are_whole(chunks)) fault = "has chunks that are cut short";
+    fault = fault_of_plain_chunks(chunks);
     return;
   }
   std::vector<unsigned char> packed, plain;
@@ -180,6 +201,15 @@ void read_texts(hid_t set, hid_t space, hsize_t count, std::string& fault) {
   if (count == 0) return;
   if (H5Dread(set, type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, texts.data()) < 0) fault = "has texts that cannot be read";
   H5Dvlen_reclaim(type.id(), space, H5P_DEFAULT, texts.data());
+}
+
+/// Bytes of a text in its dataset: its length, and where it lies among those of all.
+hsize_t text_size(hid_t file) {
+  const Hdf5Handle creation(H5Fget_create_plist(file), H5Pclose);
+  std::size_t address = 0, length = 0;
+  H5Pget_sizes(creation.id(), &address, &length);
+  constexpr hsize_t k_length = 4, k_place = 4;
+  return k_length + address + k_place;
 }
 
 void survey_unit(hid_t set, std::string& fault) {
@@ -219,7 +249,7 @@ void survey_dataset(hid_t set, Survey& survey, std::string& fault) {
   const bool texts = is_text(type.id());
   if (!texts && !is_number(type.id())) fault = "holds neither 32- or 64-bit numbers nor texts";
   const Shape shape = shape_of(space.id(), fault);
-  const hsize_t count = shape.values, value_size = H5Tget_size(type.id());
+  const hsize_t count = shape.values, value_size = texts ? text_size(survey.file) : H5Tget_size(type.id());
   if (!fault.empty()) return;
   Chunks chunks{set, space.id()};
   chunks.bytes = chunk_bytes(creation.id(), value_size, shape.rank, chunks.length, fault);
@@ -238,8 +268,7 @@ void survey_dataset(hid_t set, Survey& survey, std::string& fault) {
   if (texts) read_texts(set, space.id(), count, fault);
 }
 
-herr_t visit_object(hid_t file, const char* name, const H5O_info_t* info, void* data) {
-  Survey& survey = *static_cast<Survey*>(data);
+void survey_object(hid_t file, const char* name, const H5O_info_t* info, Survey& survey) {
   std::string fault;
   if (info->type == H5O_TYPE_DATASET) {
     const Hdf5Handle set(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose);
@@ -249,7 +278,11 @@ herr_t visit_object(hid_t file, const char* name, const H5O_info_t* info, void* 
     fault = "is neither a group nor a dataset";
   }
   if (!fault.empty()) survey.fault = std::string("/") + name + " " + fault;
-  return fault.empty() ? 0 : 1;
+}
+
+herr_t visit_object(hid_t file, const char* name, const H5O_info_t* info, void* data) {
+  Survey& survey = *static_cast<Survey*>(data);
+  return kept_error(survey, [&] { survey_object(file, name, info, survey); });
 }
 
 }  // namespace
@@ -257,7 +290,7 @@ herr_t visit_object(hid_t file, const char* name, const H5O_info_t* info, void* 
 std::string fault_of_hdf5(const std::filesystem::path& path) {
   silence_hdf5();
   const Hdf5Handle file = open_hdf5(path);
-  if (!file) return why_not_opened(path, "no HDF5 file, or one that is cut short or damaged");
+  if (!file) return "no HDF5 file, or one that is cut short or damaged";
   struct stat status = {};
   if (::stat(path.c_str(), &status) != 0) return std::strerror(errno);
   constexpr hsize_t k_block = 512;  // bytes, whatever the file system's own
@@ -265,6 +298,7 @@ std::string fault_of_hdf5(const std::filesystem::path& path) {
   const bool links = H5Lvisit(file.id(), H5_INDEX_NAME, H5_ITER_INC, visit_link, &survey) >= 0;
   const bool objects = links && survey.fault.empty() &&
                        H5Ovisit2(file.id(), H5_INDEX_NAME, H5_ITER_INC, visit_object, &survey, H5O_INFO_BASIC) >= 0;
+  if (survey.error) std::rethrow_exception(survey.error);
   if (survey.fault.empty() && !objects) return "a damaged HDF5 file";
   return survey.fault;
 }
@@ -349,6 +383,7 @@ std::string failure_of(pid_t child) {
 
 void survey_hdf5(const std::filesystem::path& file) {
   const std::string refusal = "cannot read " + printable(file.string()) + ": ";
+  if (const std::string why = why_not_opened(file, ""); !why.empty()) throw FileError(refusal + why);
   const MemoryLimits limits = memory_limits();
   const std::string doubt = limits.system.rlim_cur < limits.wanted ? ", or too little memory to read it" : "";
   std::array<int, 2> ends{};

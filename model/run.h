@@ -33,7 +33,8 @@ struct ChannelTable {
   /// Rows that are written at once: those of k_chunk_time, fewer where they are wide.
   [[nodiscard]] std::size_t rows_per_chunk() const;
 };
-inline constexpr double k_chunk_time = 0.5;  ///< s simulated; what a killed run loses at most
+inline constexpr double k_chunk_time =
+    0.5;  ///< s simulated; what a killed run loses at most, unless samples are sparse
 
 /// Appends rows to run.h5, full chunks at a time; readable up to the last flush if the process is killed. Conversion,
 /// compression and files are the work of a thread of its own, in the order of the calls: a call waits only where that

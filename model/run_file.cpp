@@ -103,24 +103,6 @@ RunFile::RunFile(const std::filesystem::path& path, std::vector<ChannelTable> ta
   if (H5Fstart_swmr_write(file_.id()) < 0) fail_hdf5("start writing", final_path_);
 }
 
-/// Lets HDF5 keep what it still holds back, until the process ends: closed, it would write lengths of what did not
-/// reach the disk, or trip over its own lists where memory was out. What a refused write leaves is what a kill would
-/// leave.
-void RunFile::freeze() {
-  for (std::vector<Hdf5Handle>& table : datasets_)
-    for (Hdf5Handle& dataset : table) dataset.release();
-  file_.release();
-}
-
-void RunFile::fail(const std::string& action) {
-  try {
-    fail_hdf5(action, final_path_);
-  } catch (...) {
-    freeze();
-    throw;
-  }
-}
-
 void RunFile::write(std::size_t table, std::size_t first, std::span<const double> rows) {
   const ChannelTable& channels = tables_[table];
   const std::size_t row_size = channels.row_size();
@@ -138,16 +120,16 @@ void RunFile::write_channel(std::size_t table, std::size_t channel_i, std::size_
   const Channel& channel = tables_[table].channels[channel_i];
   const hid_t set = datasets_[table][channel_i].id();
   const std::vector<hsize_t> total = with_rows(first + count, channel);
-  if (H5Dset_extent(set, total.data()) < 0) fail("extend " + channel.path);
+  if (H5Dset_extent(set, total.data()) < 0) fail_hdf5("extend " + channel.path, final_path_);
   std::vector<hsize_t> start(total.size(), 0);
   start[0] = first;
   constexpr std::uint32_t k_all_filters = 0;  // applied: a bit tells which was left out
   if (H5Dwrite_chunk(set, H5P_DEFAULT, k_all_filters, start.data(), chunk.size(), chunk.data()) < 0)
-    fail("write " + channel.path);
+    fail_hdf5("write " + channel.path, final_path_);
 }
 
 void RunFile::flush() {
-  if (H5Fflush(file_.id(), H5F_SCOPE_GLOBAL) < 0) fail("flush");
+  if (H5Fflush(file_.id(), H5F_SCOPE_GLOBAL) < 0) fail_hdf5("flush", final_path_);
   make_superblock_readable(path_);
 }
 
@@ -169,6 +151,12 @@ void RunFile::close() {
 }
 
 RunFile::~RunFile() {
+  // What is open still was not closed well. HDF5 keeps what it holds back of it until the process ends: closed, it
+  // would write lengths of what did not reach the disk, or trip over its own lists where memory was out. What a refused
+  // write leaves is what a kill would leave.
+  for (std::vector<Hdf5Handle>& table : datasets_)
+    for (Hdf5Handle& dataset : table) dataset.release();
+  file_.release();
   if (path_ == final_path_) return;
   std::error_code ignored;
   std::filesystem::remove(path_, ignored);

@@ -38,9 +38,6 @@ class RunFile {
   void write_channel(std::size_t table, std::size_t channel, std::size_t first, std::size_t count,
                      std::span<const unsigned char> chunk);
 
-  [[noreturn]] void fail(const std::string& action);
-  void freeze();
-
   std::filesystem::path final_path_, path_;
   Hdf5Handle file_;
   std::vector<ChannelTable> tables_;

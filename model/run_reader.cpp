@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cstdlib>
+#include <exception>
 #include <functional>
 #include <map>
 #include <numeric>
@@ -58,15 +59,24 @@ std::string table_of(const std::string& name) {
   return "/";
 }
 
-/// No exception leaves it: HDF5 calls it with its lock held.
-herr_t collect_dataset(hid_t file, const char* name, const H5O_info_t* info, void* shapes) noexcept try {
-  if (info->type != H5O_TYPE_DATASET) return 0;
-  const Hdf5Handle set(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose);
-  if (!set) return -1;
-  (*static_cast<std::map<std::string, std::vector<hsize_t>>*>(shapes))[std::string("/") + name] = shape_of(set.id());
-  return 0;
-} catch (...) {
-  return -1;
+/// What a visit finds. No exception leaves it, for HDF5 calls it with its lock held: it is kept.
+struct Datasets {
+  std::map<std::string, std::vector<hsize_t>> shapes;
+  std::exception_ptr error;
+};
+
+herr_t collect_dataset(hid_t file, const char* name, const H5O_info_t* info, void* data) noexcept {
+  Datasets& found = *static_cast<Datasets*>(data);
+  try {
+    if (info->type != H5O_TYPE_DATASET) return 0;
+    const Hdf5Handle set(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose);
+    if (!set) return -1;
+    found.shapes[std::string("/") + name] = shape_of(set.id());
+    return 0;
+  } catch (...) {
+    found.error = std::current_exception();
+    return -1;
+  }
 }
 
 }  // namespace
@@ -100,9 +110,12 @@ RunReader::RunReader(const std::filesystem::path& file) : impl_(std::make_unique
   const std::string refusal = "cannot read " + file.string() + ": ", damaged = "not a readable HDF5 file";
   if (!impl_->file) throw FileError(refusal + why_not_opened(file, damaged));
   // In the file's own order: sorted, HDF5 1.10 frees a list of links that a failed read has left unfilled.
-  if (H5Ovisit2(impl_->file.id(), H5_INDEX_NAME, H5_ITER_NATIVE, collect_dataset, &impl_->shapes, H5O_INFO_BASIC) < 0) {
-    throw FileError(refusal + damaged);
-  }
+  Datasets found;
+  const bool visited =
+      H5Ovisit2(impl_->file.id(), H5_INDEX_NAME, H5_ITER_NATIVE, collect_dataset, &found, H5O_INFO_BASIC) >= 0;
+  if (found.error) std::rethrow_exception(found.error);
+  if (!visited) throw FileError(refusal + damaged);
+  impl_->shapes = std::move(found.shapes);
   impl_->cut_to_common_rows();
 }
 RunReader::~RunReader() = default;

@@ -4,6 +4,7 @@
 
 #include "model/errors.h"
 #include "model/folder_lock.h"
+#include "model/replace_file.h"
 #include "simulator/run_loop.h"
 
 namespace grouser {
@@ -62,6 +63,14 @@ RunStart assembled(const System& system, const Progress& progress) {
   return start;
 }
 
+/// Locks the folder of a run. Throws FileError also where a link stands in the place of what the run makes there,
+/// before anything of an earlier run is touched.
+FolderLock locked(const std::filesystem::path& folder) {
+  FolderLock lock(folder, "run");
+  for (const char* name : {"run.h5.part", "run.json.part", "checkpoint.part", "inputs"}) refuse_link(folder / name);
+  return lock;
+}
+
 /// From time 0, in a folder that is locked. The checkpoint goes first: none without its run.
 RunSummary begin_run(const System& system, const RunStart& start, const std::filesystem::path& folder,
                      const Progress& progress) {
@@ -87,12 +96,12 @@ RunSummary simulate(const Scenario& scenario, const std::filesystem::path& folde
   const System system = compile(scenario);
   const RunStart start = assembled(system, progress);
   std::filesystem::create_directories(folder);
-  const FolderLock lock(folder, "run");
+  const FolderLock lock = locked(folder);
   return begin_run(system, start, folder, progress);
 }
 
 RunSummary resume(const Scenario& scenario, const std::filesystem::path& folder, const Progress& progress) {
-  const FolderLock lock(folder, "run");
+  const FolderLock lock = locked(folder);
   refuse_ended(folder);
   const System system = compile(scenario);
   if (only_begun(folder)) return begin_run(system, assembled(system, progress), folder, progress);

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <hdf5.h>
 
+#include <array>
 #include <csignal>
 
 #include "model/errors.h"
@@ -68,6 +69,29 @@ TEST(Hdf5Survey, LetsNothingThroughWhereItCannotLearnHowItsProcessEnded) {
 TEST(Hdf5Survey, LetsPlainNumbersThrough) {
   const TemporaryFolder folder;
   EXPECT_EQ(refusal_of(file_with(folder, H5T_IEEE_F64LE, 100, 16)), "");
+}
+
+TEST(Hdf5Survey, LetsTextsInPackedChunksThrough) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder / "run.h5";
+  const hsize_t count = 3, chunk = 2;
+  const std::array<const char*, 3> texts{"left/sprocket", "", "right/idler"};
+  {
+    const Hdf5Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
+    const Hdf5Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose), type = text_in_memory();
+    const Hdf5Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    H5Pset_chunk(creation.id(), 1, &chunk);
+    H5Pset_deflate(creation.id(), 1);
+    const Hdf5Handle set(H5Dcreate2(file.id(), "names", type.id(), space.id(), H5P_DEFAULT, creation.id(), H5P_DEFAULT),
+                         H5Dclose);
+    H5Dwrite(set.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, texts.data());
+  }
+  EXPECT_EQ(refusal_of(path), "");
+}
+
+TEST(Hdf5Survey, SaysWhyAFileCannotBeOpened) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(refusal_of(folder / "nothing.h5"), "No such file or directory");
 }
 
 TEST(Hdf5Survey, RefusesRowsThatAreOnlyClaimed) {

@@ -48,5 +48,5 @@ def children_of(process):
     try:
         with open(f"/proc/{process}/task/{process}/children", encoding="utf-8") as file:
             return [int(child) for child in file.read().split()]
-    except FileNotFoundError:
+    except (FileNotFoundError, ProcessLookupError):
         return []

@@ -208,7 +208,7 @@ def hostile_channels(part, confined):
 # is taken.
 LINKED = {
     ("simulate", os.path.join(DATA, "scenarios/m113.json"), "-o", "{out}", "--set", "duration_s=0.02", "--set", "assembly.settle_time_s=2.6"):
-        (["run.h5.part", "run.json.part", "inputs", "inputs/vehicle.json.part"], ["run.h5", "run.json", "checkpoint", "inputs/vehicle.json"]),
+        (["run.h5.part", "run.json.part", "checkpoint.part", "inputs"], ["run.h5", "run.json", "checkpoint", "inputs/vehicle.json"]),
     ("identify", "rig/rig.json", "-o", "{out}"): (["bushing.json.part", "draws"], ["fit.json", "draws.part"]),
     ("render", "run", "--frames", "--size", "96x54", "--fps", "20", "-o", "{out}"):
         (["frame_000001.png.part", ".frames.part", ".frames.lock"], ["frame_000001.png", ".frames"]),
@@ -217,33 +217,54 @@ LINKED = {
     ("report", "fit", "-o", "{out}/report.html"): (["report.html.part", "report.json.part"], ["report.html", "report.json"]),
     ("export", "run", "-o", "{out}"): (["time.csv.part"], ["time.csv"]),
 }
+LINKED_FOLDERS = ("inputs", ".film.stretches", "draws", "draws.part")
+
+
+def bytes_below(folder):
+    """Path -> bytes of every file, not through links."""
+    found = {}
+    for root, _, names in os.walk(folder):
+        for path in (os.path.join(root, name) for name in names):
+            with open(path, "rb") as file:
+                found[os.path.relpath(path, folder)] = file.read()
+    return found
+
+
+def hostile_link(part, confined, arguments, link, refused):
+    """One link in an output folder that may hold an earlier run: to a file or to a folder of a user."""
+    outside, out = os.path.join(confined.folder, "outside"), os.path.join(confined.folder, "linked")
+    place, target = os.path.join(out, link), os.path.join(outside, "folder")
+    os.makedirs(target)
+    for name in ("file", "folder/file"):
+        with open(os.path.join(outside, name), "w", encoding="utf-8") as file:
+            file.write("of a user")
+    if arguments[0] == "simulate":
+        shutil.copytree(os.path.join(confined.folder, "run"), out)
+    os.makedirs(os.path.dirname(place), exist_ok=True)
+    if os.path.isdir(place):
+        shutil.rmtree(place)
+    elif os.path.exists(place):
+        os.remove(place)
+    os.symlink(target if link in LINKED_FOLDERS else os.path.join(outside, "file"), place)
+    theirs, ours = bytes_below(outside), bytes_below(out)
+    done = subprocess.run([COMMAND, *(word.format(out=out) for word in arguments)], cwd=confined.folder, capture_output=True, text=True)
+    what = f"{arguments[0]} with {link} a link"
+    part.require(done.returncode == (5 if refused else 0), f"{what}: ended with {done.returncode}: {done.stderr[-300:]}")
+    part.require(bytes_below(outside) == theirs, f"{what}: wrote where the link leads")
+    if refused and arguments[0] == "simulate":
+        part.require(bytes_below(out) == ours, f"{what}: was refused, and the earlier run is another one")
+    for folder in (outside, out):
+        shutil.rmtree(folder)
 
 
 def hostile_links(part, confined):
     """Output folders of another's making: nothing is written, cut or removed where their links lead."""
-    outside, tried, refused = os.path.join(confined.folder, "outside"), 0, 0
-    for arguments, (refusals, results) in LINKED.items():
-        for link in refusals + results:
-            out = os.path.join(confined.folder, f"linked_{tried}")
-            place = os.path.join(out, link)
-            os.makedirs(os.path.dirname(place))
-            os.makedirs(os.path.join(outside, "folder"))
-            for name in ("file", "folder/file"):
-                with open(os.path.join(outside, name), "w", encoding="utf-8") as file:
-                    file.write("of a user")
-            is_folder = link in ("inputs", ".film.stretches", "draws", "draws.part")
-            os.symlink(os.path.join(outside, "folder" if is_folder else "file"), place)
-            done = subprocess.run([COMMAND, *(word.format(out=out) for word in arguments)], cwd=confined.folder, capture_output=True, text=True)
-            what = f"{arguments[0]} with {link} a link"
-            part.require(done.returncode == (5 if link in refusals else 0), f"{what}: ended with {done.returncode}: {done.stderr[-300:]}")
-            part.require(tree(outside) == {"file", "folder", "folder/file"}, f"{what}: outside there is {sorted(tree(outside))}")
-            for name in ("file", "folder/file"):
-                with open(os.path.join(outside, name), "rb") as file:
-                    part.require(file.read() == b"of a user", f"{what}: wrote into what the link leads to")
-            shutil.rmtree(outside)
-            tried, refused = tried + 1, refused + (link in refusals)
-    part.row("symbolic links in an output folder, in the place of results and of files in the making", tried,
-             f"nothing touched where they lead: {refused} refused, the place of {tried - refused} taken")
+    tries = [(arguments, link, link in refusals) for arguments, (refusals, results) in LINKED.items() for link in refusals + results]
+    for arguments, link, refused in tries:
+        hostile_link(part, confined, arguments, link, refused)
+    refused = sum(each[2] for each in tries)
+    part.row("symbolic links in an output folder, in the place of results and of files in the making", len(tries),
+             f"nothing touched where they lead: {refused} refused, the place of {len(tries) - refused} taken")
 
 
 def tree(folder):

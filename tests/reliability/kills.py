@@ -154,7 +154,7 @@ def kill_at_random(stage, number):
     chance = seeded(f"{SEED} {stage.name} {number}")
     behind_checkpoint = stage.resumed and number % 2 == 1
     delays = [chance.uniform(0.0, (0.3 if behind_checkpoint else 1.05) * stage.duration)]
-    kills = late = 0
+    kills = 0
     for late in range(TRIES):
         folder = stage.trial(f"random_{number}")
         kills = int(killed_at(stage.arguments, folder, delays[0], behind_checkpoint))
@@ -169,7 +169,7 @@ def kill_at_random(stage, number):
         if not struck:
             break  # it ended, and nothing of it is left to resume
     what = "killed after " + ("a checkpoint and " if behind_checkpoint else "") + " and ".join(f"{delay:.3f} s" for delay in delays)
-    return after(stage, folder, what, kills, late + len(delays))
+    return after(stage, folder, what, kills, 1)
 
 
 def kill_at_call(stage, number, lines, do):

@@ -1,8 +1,13 @@
-#include <cstdlib>
 #include <limits>
 #include <string>
 #include <thread>
 #include <vector>
+
+namespace {
+
+char* volatile kept = nullptr;
+
+}  // namespace
 
 /// planted_fault KIND: goes wrong in one way, and ends with 0 unless something notices.
 int main(int count, char** arguments) {
@@ -12,7 +17,10 @@ int main(int count, char** arguments) {
   if (kind == "overflow") sum = sum + one;
   if (kind == "cast") sum = static_cast<int>(quotient);
   if (kind == "heap") sum = std::vector<int>(3).data()[3 * one];
-  if (kind == "leak") static_cast<void>(std::malloc(100));
+  if (kind == "leak") {
+    for (int i = 0; i < 8; ++i) kept = new char[100];
+    kept = nullptr;
+  }
   if (kind == "invalid") quotient = zero / zero;
   if (kind == "race") {
     int shared = 0;

@@ -23,9 +23,8 @@ TITLES = {"asan": "Under AddressSanitizer and UndefinedBehaviorSanitizer", "tsan
 NOTES = {"asan": "What stands in `simulator/` is built without use-after-scope (docs/decisions.md); its tests and everything else have it.",
          "tsan": "The rasteriser, which is not instrumented, draws without threads here.",
          "debug": "Other programs have no traps: libraries for pictures trip over them by design."}
-# Tests that set limits of memory and time for whole commands, and those that run the commands of README and demo at full length: what
-# they call is called by others, too.
-LEFT_OUT = "^(reliability_.*|demo|readme)$"
+# They run the commands of README and demo at full length: what they call is called by others, too.
+LEFT_OUT = "^(demo|readme)$"
 WHOLE = "the whole suite but the parts of this page, the demo and README's commands"
 # Kinds of planted_fault.cpp that must be noticed.
 PLANTED = {"asan": ("overflow", "cast", "heap", "leak"), "tsan": ("race",), "debug": ("invalid",)}
