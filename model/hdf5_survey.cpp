@@ -24,6 +24,7 @@ namespace grouser {
 namespace {
 
 constexpr hsize_t k_most_objects = 100'000, k_most_chunk_bytes = 64u << 20, k_most_texts = 1'000'000;
+constexpr hsize_t k_most_row_values = 100'000;
 constexpr hsize_t k_most_old_chunks = 10'000;  // each is sought from the first on
 constexpr hsize_t k_most_deflated = 1032;      // times; what zlib can make of a byte
 /// Values in all that any file may hold, and more for each byte on the disk: a run packs its numbers to a third or so.
@@ -71,7 +72,7 @@ constexpr int k_most_dimensions = 4;
 struct Shape {
   int rank = 0;
   std::array<hsize_t, k_most_dimensions> length{};
-  hsize_t values = 1;
+  hsize_t values = 1, row = 1;  ///< in all, and in each of the first dimension
 };
 
 /// With a fault where no file could hold it.
@@ -86,6 +87,13 @@ Shape shape_of(hid_t space, std::string& fault) {
   for (int i = 0; i < shape.rank; ++i) {
     const hsize_t length = shape.length[static_cast<std::size_t>(i)];
     if (__builtin_mul_overflow(shape.values, length, &shape.values)) fault = "claims more values than can be counted";
+    if (i == 0) continue;
+    // None of these rows need be there: no rows of any width take no room.
+    const bool counted = !__builtin_mul_overflow(shape.row, length, &shape.row);
+    if (!counted || shape.row > k_most_row_values) {
+      fault = "has rows of more than " + std::to_string(k_most_row_values) + " values";
+      return {};
+    }
   }
   return shape;
 }
@@ -261,7 +269,7 @@ void survey_dataset(hid_t set, Survey& survey, std::string& fault) {
                         (chunks.bytes > 0 && count > chunks.count * (chunks.bytes / value_size)))) {
     fault = "claims " + std::to_string(count) + " values, of which " + std::to_string(stored) + " bytes are stored";
   }
-  if (fault.empty()) add_claim(survey, count, stored, fault);
+  if (fault.empty()) add_claim(survey, std::max(count, shape.row), stored, fault);
   if (fault.empty() && chunks.bytes > 0) survey_chunks(chunks, shape, filters, fault);
   if (!fault.empty()) return;
   survey_unit(set, fault);
