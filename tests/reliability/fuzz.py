@@ -2,7 +2,7 @@
 
 Builds the preset `fuzz` (clang) and runs each program for a minute, or for GROUSER_FUZZ_SECONDS, two at a time: a core each. What it
 finds stays beside the corpus of the build folder; an input that once went wrong belongs into tests/fuzz/corpus, where the ordinary
-tests feed it too.
+tests feed it too. The short form goes the same ways each time; the long form goes new ones.
 
 A fault is whatever a sanitizer or libFuzzer reports, of the program or of a child of it, whoever survives it. Only HDF5, which is not
 built with sanitizers, may crash on a damaged file, hang, and leak: grouser surveys each file in a process of its own for that reason.
@@ -59,11 +59,11 @@ def is_of_hdf5(report):
     return bool(counted) and all(HDF5.search(line) for line in innermost) and "run_reader.cpp" not in report
 
 
-def run_once(target, seconds, folder):
-    """Runs a fuzzer; its corpus grows in a folder of its own, the repository's is only read. Its log."""
+def run_once(target, seconds, folder, seed):
+    """Runs a fuzzer, with a seed of its choice for 0; its corpus grows in a folder of its own, the repository's is only read. Its log."""
     found, seeds = os.path.join(folder, target), os.path.join(SOURCE, "tests", "fuzz", "corpus", target)
     os.makedirs(os.path.join(found, "corpus"), exist_ok=True)
-    command = [os.path.join(BUILD, f"fuzz_{target}"), f"-max_total_time={seconds}", "-rss_limit_mb=4096", "-print_final_stats=1",
+    command = [os.path.join(BUILD, f"fuzz_{target}"), f"-max_total_time={seconds}", f"-seed={seed}", "-rss_limit_mb=4096", "-print_final_stats=1",
                f"-artifact_prefix={found}/", *TARGETS.get(target, []), os.path.join(found, "corpus")]
     done = subprocess.run(command + [seeds] * os.path.isdir(seeds), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False,
                           env={**os.environ, "TMPDIR": folder, **ENVIRONMENT})
@@ -72,11 +72,12 @@ def run_once(target, seconds, folder):
     return log if explained else f"{log}\nERROR: libFuzzer ended with {done.returncode}\n"
 
 
-def fuzz(target, seconds, folder):
+def fuzz(target, seconds, folder, by_chance=False):
     """Runs a fuzzer until the time is over or a fault of ours is found; where HDF5 crashed it, anew. Its log, and the faults."""
-    log, faults, end = "", [], time.monotonic() + seconds
+    log, faults, end, seed = "", [], time.monotonic() + seconds, 0
     while not faults and (left := round(end - time.monotonic())) > 0:
-        log += run_once(target, left, folder)
+        seed += not by_chance
+        log += run_once(target, left, folder, seed)
         faults = [report for report in REPORT.split(log)[1:] if not is_of_hdf5(report)]
     if faults and target in TARGETS:
         shutil.copytree(os.path.join(folder, target), os.path.join(BUILD, f"found_{target}"), dirs_exist_ok=True)
@@ -103,7 +104,7 @@ def work(part, thorough):
     seconds = int(os.environ.get("GROUSER_FUZZ_SECONDS", "600" if thorough else "60"))
     with tempfile.TemporaryDirectory(dir="/dev/shm" if os.path.isdir("/dev/shm") else None) as folder, \
             concurrent.futures.ThreadPoolExecutor(2) as pool:
-        running = {target: pool.submit(fuzz, target, seconds, folder) for target in TARGETS}
+        running = {target: pool.submit(fuzz, target, seconds, folder, thorough) for target in TARGETS}
         planted = {target: pool.submit(fuzz, target, PLANTED_SECONDS, folder) for target in PLANTED}
         for target, result in running.items():
             add_row(part, target, seconds, *result.result())
