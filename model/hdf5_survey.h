@@ -1,6 +1,5 @@
 #pragma once
 #include <filesystem>
-#include <string>
 
 namespace grouser {
 
@@ -10,8 +9,5 @@ namespace grouser {
 /// only what cannot lead further is let through: plain datasets of 32- or 64-bit numbers and texts, stored in the file
 /// itself, chunks of sane size that are whole to the byte, no more values than the bytes stored can hold.
 void survey_hdf5(const std::filesystem::path& file);
-
-/// What that process finds wrong with the file, empty for nothing; here, HDF5 may crash the caller: for the fuzzer.
-[[nodiscard]] std::string fault_of_hdf5(const std::filesystem::path& file);
 
 }  // namespace grouser

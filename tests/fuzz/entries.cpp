@@ -5,7 +5,7 @@
 #include "model/check.h"
 #include "model/csv.h"
 #include "model/errors.h"
-#include "model/hdf5_survey.h"
+#include "model/hdf5_fault.h"
 #include "model/rig.h"
 #include "model/run_columns.h"
 #include "model/scenario.h"

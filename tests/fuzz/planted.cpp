@@ -9,7 +9,7 @@
 namespace grouser::fuzz {
 namespace {
 
-/// Called by HDF5 for each property of a list, as model/hdf5_survey.cpp is for each object of a file.
+/// Called by HDF5 for each property of a list, as model/hdf5_fault.cpp is for each object of a file.
 herr_t read_past_the_end(hid_t, const char*, void* input) {
   const std::vector<char>& bytes = *static_cast<const std::vector<char>*>(input);
   const volatile char* const past = bytes.data() + bytes.size();
