@@ -98,11 +98,17 @@ std::string failure_of(pid_t child) {
   return "a damaged HDF5 file, on which the HDF5 library itself fails";
 }
 
+std::string refusal_of(const std::filesystem::path& file) { return "cannot read " + printable(file.string()) + ": "; }
+
+void refuse_unopened(const std::filesystem::path& file) {
+  if (const std::string why = why_not_opened(file, ""); !why.empty()) throw FileError(refusal_of(file) + why);
+}
+
 }  // namespace
 
 void survey_hdf5(const std::filesystem::path& file) {
-  const std::string refusal = "cannot read " + printable(file.string()) + ": ";
-  if (const std::string why = why_not_opened(file, ""); !why.empty()) throw FileError(refusal + why);
+  refuse_unopened(file);
+  const std::string refusal = refusal_of(file);
   const MemoryLimits limits = memory_limits();
   const std::string doubt = limits.system.rlim_cur < limits.wanted ? ", or too little memory to read it" : "";
   std::array<int, 2> ends{};
@@ -112,8 +118,10 @@ void survey_hdf5(const std::filesystem::path& file) {
   ::close(ends[1]);
   const std::string fault = take_all(ends[0]);
   if (child < 0) throw FileError(refusal + std::strerror(errno));
-  if (const std::string failure = failure_of(child); !failure.empty()) throw FileError(refusal + failure + doubt);
-  if (!fault.empty()) throw FileError(refusal + printable(fault) + doubt);
+  const std::string failure = failure_of(child);
+  if (failure.empty() && fault.empty()) return;
+  refuse_unopened(file);  // what was taken away meanwhile is not damaged
+  throw FileError(refusal + (failure.empty() ? printable(fault) : failure) + doubt);
 }
 
 }  // namespace grouser

@@ -401,6 +401,9 @@ def trials_of(stage, amount, chance):
 
     outputs = sorted(name for name in stage.new if not injection.is_temporary(name) and name != "checkpoint")
     shares = [0.9 * (part + chance.random()) / amount for part in range(amount)]
+    # run.h5 is looked at by processes of its own before it is read: each must say that it is gone.
+    opens = sorted({*spread(len(measured.opened), amount, chance),
+                    *(number for number, path in enumerate(measured.opened, 1) if path.endswith("run.h5"))})
     memories = [least_memory() + round(share * (measured.peak - least_memory())) for share in shares]
     return {
         "a full disk, from a call on": several(measured.changes, refused_call, errno.ENOSPC, True),
@@ -409,7 +412,7 @@ def trials_of(stage, amount, chance):
         "a disk that refuses a call with EIO": several(measured.changes, refused_call, errno.EIO, False),
         "a disk that breaks while an input is read": several(measured.looks, unreadable_input),
         "an input taken away meanwhile":
-            [lambda n=n: vanished_input(stage, n, measured.opened[n - 1]) for n in spread(len(measured.opened), amount, chance)],
+            [lambda n=n: vanished_input(stage, n, measured.opened[n - 1]) for n in opens],
         "the folder of all inputs taken away meanwhile": several(len(measured.opened), vanished_input, INPUTS),
         "a limit on the size of files":
             [lambda n=n: limited(stage, "a file size limit", resource.RLIMIT_FSIZE, n, [os.strerror(errno.EFBIG)])
