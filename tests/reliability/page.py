@@ -1,8 +1,11 @@
 #!/usr/bin/python3
-"""docs/reliability.md, from what the parts measured.
+"""docs/reliability.md, from what the parts measured: measured/PART.json beside this file.
 
-   page.py DIR_OF_JSON docs/reliability.md    writes the page from the JSON files that `PART.py --thorough -o` left
-   page.py --run BUILD_DIR                    runs every part in its long form first; their JSON goes to BUILD_DIR/reliability
+   page.py                        writes the page
+   page.py --check                fails where the page is not what would be written
+   page.py --run BUILD_DIR [PART ...]
+                                  runs these parts, or all, in their long form with this build's program, keeps what they measured, and
+                                  writes the page
 """
 
 import argparse
@@ -14,6 +17,7 @@ import sys
 HERE = os.path.dirname(os.path.abspath(__file__))
 SOURCE = os.path.dirname(os.path.dirname(HERE))
 PAGE = os.path.join(SOURCE, "docs", "reliability.md")
+MEASURED = os.path.join(HERE, "measured")
 PARTS = ("inputs", "fuzz", "kills", "faults", "numerics", "hashes", "twice", "memory", "sanitizers asan", "sanitizers tsan",
          "sanitizers debug", "valgrind", "pages", "binary")
 OPENING = """# Reliability
@@ -25,8 +29,10 @@ first loss, crash or difference. The suite runs each part in a short form; this 
 tests/reliability/page.py --run build/release
 ```
 
-runs all of them and writes this page again, or none if one fails. It needs what `.ci/run` installs, and `valgrind`. One alone: the command
-under its heading, with `GROUSER_SOURCE_DIR=$PWD GROUSER_COMMAND=$PWD/build/release/grouser` set. Below it stands which commit was measured.
+runs all of them, three hours on two cores, keeps what they measured in `tests/reliability/measured/` and writes this page again, or none
+if one fails. Names of parts behind it run those alone: "kills", "sanitizers asan". It needs what `.ci/run` installs, and `valgrind`.
+Under each heading stands the part's command, which takes `GROUSER_SOURCE_DIR=$PWD GROUSER_COMMAND=$PWD/build/release/grouser`, and
+of which commit its figures are.
 """
 
 
@@ -45,8 +51,8 @@ def command(part):
     return [os.path.join(HERE, program + ".py"), *choice, "--thorough"]
 
 
-def figures(folder, part):
-    return os.path.join(folder, part.replace(" ", "_") + ".json")
+def figures(part):
+    return os.path.join(MEASURED, part.replace(" ", "_") + ".json")
 
 
 def shown(part):
@@ -74,43 +80,50 @@ def mended():
     return "\n".join(lines) + "\n"
 
 
-def write(folder, page):
+def page():
     sections = []
     for name in PARTS:
-        if not os.path.exists(figures(folder, name)):
-            sections.append(f"\n## {name}: not measured for this page\n\n{shown(name)}")
+        if not os.path.exists(figures(name)):
+            sections.append(f"\n## {name}: not measured yet\n\n{shown(name)}")
             continue
-        with open(figures(folder, name), encoding="utf-8") as file:
+        with open(figures(name), encoding="utf-8") as file:
             sections.append(section(json.load(file)))
-    with open(page, "w", encoding="utf-8") as file:
-        file.write(OPENING + "".join(sections) + mended())
+    return OPENING + "".join(sections) + mended()
 
 
-def run_parts(build):
-    """Every part, even behind one that failed; their figures' folder."""
-    folder = os.path.join(build, "reliability")
-    os.makedirs(folder, exist_ok=True)
+def run(parts, build):
+    """Every one of them, even behind one that failed."""
+    os.makedirs(MEASURED, exist_ok=True)
     environment = dict(os.environ, GROUSER_SOURCE_DIR=SOURCE, GROUSER_COMMAND=os.path.join(build, "grouser"),
                        LP_NUM_THREADS="0", MESA_SHADER_CACHE_DISABLE="true")
     failed = []
-    for name in PARTS:
+    for name in parts:
         print(f"== {name}", file=sys.stderr, flush=True)
-        if subprocess.run([sys.executable, *command(name), "-o", figures(folder, name)], env=environment).returncode != 0:
+        if subprocess.run([sys.executable, *command(name), "-o", figures(name)], env=environment, check=False).returncode != 0:
             failed.append(name)
     if failed:
-        sys.exit("page.py: no page, for these parts failed: " + ", ".join(failed))
-    return folder
+        sys.exit("page.py: the page stays as it is, for these parts failed: " + ", ".join(failed))
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--run", metavar="BUILD_DIR", help="run every part in its long form first, with this build's program")
-    parser.add_argument("folder", nargs="?", metavar="DIR_OF_JSON")
-    parser.add_argument("page", nargs="?", default=PAGE)
+    parser.add_argument("--run", metavar="BUILD_DIR", help="run parts in their long form first, with this build's program")
+    parser.add_argument("--check", action="store_true", help="compare only")
+    parser.add_argument("parts", nargs="*", metavar="PART", help="of: " + ", ".join(PARTS))
     options = parser.parse_args()
-    if (options.run is None) == (options.folder is None):
-        parser.error("expected either --run BUILD_DIR or DIR_OF_JSON")
-    write(run_parts(os.path.abspath(options.run)) if options.run else options.folder, options.page)
+    if unknown := [name for name in options.parts if name not in PARTS]:
+        parser.error(f"no such part: {', '.join(unknown)}; expected of: {', '.join(PARTS)}")
+    if options.parts and options.run is None:
+        parser.error("parts are named behind --run BUILD_DIR")
+    if options.run is not None:
+        run(options.parts or PARTS, os.path.abspath(options.run))
+    if options.check:
+        with open(PAGE, encoding="utf-8") as file:
+            if file.read() != page():
+                sys.exit("docs/reliability.md is not what tests/reliability/page.py writes: run it")
+        return
+    with open(PAGE, "w", encoding="utf-8") as file:
+        file.write(page())
 
 
 if __name__ == "__main__":

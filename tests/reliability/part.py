@@ -8,20 +8,30 @@ import subprocess
 import sys
 import time
 
-HERE = os.path.dirname(os.path.abspath(__file__))
-BEGUN = time.monotonic()
+SOURCE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+
+
+def git(*words):
+    return subprocess.run(["git", "-C", SOURCE, *words], capture_output=True, text=True, check=False).stdout.strip()
+
+
+def state():
+    """The commit that is measured, taken when a part begins."""
+    changed = git("status", "--porcelain", "--untracked-files=no", "--", ".", ":!tests/reliability/measured", ":!docs/reliability.md")
+    return (git("rev-parse", "--short=10", "HEAD") or "unknown") + (" with changes" if changed else "")
+
+
+BEGUN, AT = time.monotonic(), state()
 
 
 def measured():
     """When and of what the figures are: the page holds those of several runs."""
-    described = subprocess.run(["git", "-C", HERE, "describe", "--always", "--dirty", "--abbrev=10"], capture_output=True, text=True,
-                               check=False)
-    return {"on": datetime.date.today().isoformat(), "at": described.stdout.strip() or "unknown", "cores": os.cpu_count(),
+    return {"on": datetime.date.today().isoformat(), "at": AT, "cores": os.cpu_count(),
             "minutes": round((time.monotonic() - BEGUN) / 60.0, 1)}
 
 
 def save(page, path):
-    """Writes what page.py makes a section of."""
+    """Keeps what page.py makes a section of."""
     with open(path, "w", encoding="utf-8") as file:
         json.dump({**page, "measured": measured()}, file, indent=1)
 
