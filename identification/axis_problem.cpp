@@ -28,9 +28,11 @@ DataBlock make_block(const PreparedTest& test, const std::vector<const Cycle*>& 
   block.with_drift = cycles.size() > 1;
   block.force_range = force_range(test, block.cycles);
   block.force_unit = std::hypot(test.noise_force, k_model_error * block.force_range);
-  const double scatter = energy_noise(test, *cycles.back()) / std::sqrt(static_cast<double>(cycles.size()));
-  const double unit = std::hypot(k_energy_unit, scatter / block.mean_energy);
-  block.energy_weight = block.mean_energy > 0.0 ? 1.0 / (unit * unit) : 0.0;
+  if (block.mean_energy > 0.0) {
+    const double scatter = energy_noise(test, *cycles.back()) / std::sqrt(static_cast<double>(cycles.size()));
+    const double unit = std::hypot(k_energy_unit, scatter / block.mean_energy);
+    block.energy_weight = 1.0 / (unit * unit);
+  }
   return block;
 }
 

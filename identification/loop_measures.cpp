@@ -86,7 +86,9 @@ LoopMeasures loop_measures(const std::vector<double>& displacement, const std::v
   measures.secant_stiffness = (mean_force(displacement, force_for_range, span, *x_high - margin, *x_high) -
                                mean_force(displacement, force_for_range, span, *x_low, *x_low + margin)) /
                               (2.0 * amplitude);
-  measures.loss_factor = area / (pi_squared_amplitude * measures.effective_stiffness);
+  if (measures.effective_stiffness > 0.0) {
+    measures.loss_factor = area / (pi_squared_amplitude * measures.effective_stiffness);
+  }
   if (frequency > 0.0) measures.equivalent_damping = area / (2.0 * k_pi * frequency * pi_squared_amplitude);
   return measures;
 }

@@ -44,10 +44,13 @@ struct Range {
 // Of the logarithms, in their order.
 std::vector<Range> ranges(const Dictionary& dictionary, const PolishBounds& bounds) {
   std::vector<Range> result;
-  result.resize(dictionary.yields.size(), {std::log(bounds.yield_low), std::log(bounds.yield_high)});
-  result.resize(result.size() + dictionary.relaxation_times.size(),
-                {std::log(bounds.time_low), std::log(bounds.time_high)});
-  if (dictionary.yield_growth > 0.0) result.push_back({std::log(bounds.growth_low), std::log(bounds.growth_high)});
+  // Bounds of what the dictionary has none of may be zero.
+  const auto add = [&result](std::size_t count, double low, double high) {
+    if (count > 0) result.resize(result.size() + count, {std::log(low), std::log(high)});
+  };
+  add(dictionary.yields.size(), bounds.yield_low, bounds.yield_high);
+  add(dictionary.relaxation_times.size(), bounds.time_low, bounds.time_high);
+  add(dictionary.yield_growth > 0.0 ? 1 : 0, bounds.growth_low, bounds.growth_high);
   return result;
 }
 

@@ -68,6 +68,14 @@ TEST(DynamicStiffness, IsBlindToOffsetDriftAndTheCut) {
   EXPECT_NEAR(k.imag(), 2e4 * k_omega, 1e-9 * k_stiffness);
 }
 
+TEST(LoopMeasures, OfAForceThatStandsStillAreZero) {
+  const RigTest test = sine_test(k_amplitude, k_frequency, 3, 400, [](double, double) { return 0.0; });
+  const LoopMeasures measures = loop_measures(test.displacement, test.force, test.force, {400, 800}, k_frequency);
+  EXPECT_EQ(measures.loss_factor, 0.0);  // 0/0 by its definition
+  EXPECT_EQ(measures.effective_stiffness, 0.0);
+  EXPECT_EQ(measures.equivalent_damping, 0.0);
+}
+
 TEST(LoopMeasures, SecantStandsAtTheExtremeDisplacements) {
   // A Kelvin-Voigt loop: at the extremes the damper is still, though the force is largest elsewhere.
   const RigTest test =

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "model/errors.h"
+#include "tests/support/floating_point_traps.h"
 
 namespace grouser {
 namespace {
@@ -76,6 +77,7 @@ TEST(NonNegativeLeastSquares, DoesNotCareForTheUnitsOfItsColumns) {
 }
 
 TEST(NonNegativeLeastSquares, RefusesNumbersThatAreNone) {
+  const test::WithoutTraps of_none;
   const Problem problem = random_problem(7, 20, 4);
   Eigen::MatrixXd gram = problem.gram();
   gram(2, 2) = std::numeric_limits<double>::infinity();

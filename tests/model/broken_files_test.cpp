@@ -5,6 +5,7 @@
 #include "model/check.h"
 #include "model/errors.h"
 #include "model/provenance.h"
+#include "tests/support/floating_point_traps.h"
 #include "tests/support/test_data.h"
 
 namespace grouser {
@@ -22,6 +23,7 @@ std::vector<std::string> verdict(const std::filesystem::path& file) {
 }
 
 TEST(BrokenFiles, AreEachRefusedWithTheirOwnWords) {
+  const test::WithoutTraps of_overflow;  // what is too large for a double is found by it
   const auto before = std::filesystem::current_path();
   std::filesystem::current_path(test_data("broken"));
   const auto expected = nlohmann::json::parse(read_whole("expected.json"));

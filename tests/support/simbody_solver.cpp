@@ -2,6 +2,8 @@
 
 #include <Simbody.h>
 
+#include "tests/support/floating_point_traps.h"
+
 namespace grouser::test {
 namespace {
 
@@ -23,6 +25,7 @@ SimTK::Transform hinge_frame(const Vector3d& axis, const Vector3d& origin) {
 }  // namespace
 
 SimbodyAnswer solve_with_simbody(const SimbodyProblem& problem) {
+  const WithoutTraps of_ground;  // Simbody's ground has an infinite mass
   SimTK::MultibodySystem system;
   SimTK::SimbodyMatterSubsystem matter(system);
   SimTK::GeneralForceSubsystem forces(system);
