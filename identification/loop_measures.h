@@ -16,8 +16,8 @@ struct Signals {
 /// Loop measures by definition of samples begin..end, closed by the chord; storage and loss stiffness stay 0.
 /// `force_for_range`: the force without noise that would widen its range. frequency 0 = unknown. The force at an
 /// extreme displacement, for the secant, is the mean over the samples within 3 `noise` of it: on the flat crest of a
-/// sine, noise chooses one of many, and the force changes between them. What would be
-/// divided by a displacement or a force that stands still is 0.
+/// sine, noise chooses one of many, and the force changes between them. What would be divided by a
+/// displacement or a force that stands still is 0.
 [[nodiscard]] LoopMeasures loop_measures(const std::vector<double>& displacement, const std::vector<double>& force,
                                          const std::vector<double>& force_for_range, CycleSpan span, double frequency,
                                          double noise = 0.0);
