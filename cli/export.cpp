@@ -7,6 +7,7 @@
 #include "cli/command.h"
 #include "cli/stages.h"
 #include "cli/usage.h"
+#include "model/replace_file.h"
 #include "model/run_columns.h"
 
 namespace grouser::cli {
@@ -68,6 +69,7 @@ std::string csv_of(const RunReader& run, const std::string& path) {
 Result run(const Options& options, Console& console) {
   const RunFolder opened = open_run_folder(options.run_folder);
   const fs::path folder = options.folder.empty() ? fs::path(options.run_folder) / "csv" : fs::path(options.folder);
+  if (options.folder.empty()) require_own(folder);
   fs::create_directories(folder);
   const Progress progress = console.progress("export");
   const std::vector<std::string> datasets = opened.channels.datasets();

@@ -10,6 +10,7 @@
 #include "model/bushing_draws.h"
 #include "model/errors.h"
 #include "model/folder_lock.h"
+#include "model/replace_file.h"
 #include "reports/fit_checks.h"
 #include "reports/report.h"
 
@@ -122,6 +123,9 @@ IdentifyResult identify_into(const fs::path& rig_file, const fs::path& folder, i
   // Before the long work: a folder that cannot be made should not cost a fit.
   const bool made = fs::create_directories(folder);
   const FolderLock lock(folder, "identification");
+  std::vector<fs::path> read{rig_file};
+  for (const RigTest& test : rig.tests) read.push_back(rig_file.parent_path() / test.file);
+  require_apart({folder / "bushing.json", folder / "fit.json", folder / "report.html", folder / "report.json"}, read);
   require_only_draws(folder / "draws");
   IdentifyResult result;
   try {

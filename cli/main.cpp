@@ -81,6 +81,8 @@ int main(int argc, char** argv) {
   const std::vector<std::string> arguments(argv + 1, argv + argc);
   try {
     root.parse(argc, argv);
+    if (const std::string empty = empty_value(root); !empty.empty())
+      throw CLI::ValidationError(empty, CLI::ExitCodes::ValidationError);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
       root.exit(error);

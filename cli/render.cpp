@@ -65,10 +65,12 @@ void check_times(const std::vector<RunFolder>& runs, const std::vector<double>& 
   if (!findings.empty()) throw InputError(findings);
 }
 
-fs::path write_still(const Runs& runs, double time, const RenderOptions& options, const fs::path& folder) {
-  const fs::path file = folder / fmt::format("still_{:.3f}s.png", time);
-  write_png(render_still(runs, time, options), file);
-  return file;
+/// Named after its millisecond, and with all its digits where another of `times` has the same.
+std::string still_name(double time, const std::vector<double>& times) {
+  const auto name = [](double t) { return fmt::format("still_{:.3f}s.png", t + 0.0); };  // -0 is 0
+  const bool taken =
+      std::ranges::any_of(times, [&](double other) { return other != time && name(other) == name(time); });
+  return taken ? fmt::format("still_{}s.png", time) : name(time);
 }
 
 /// A name of camera_names(), or a file.
@@ -94,7 +96,10 @@ Result run(const Options& options, bool film_named, Console& console) {
   };
   if (!options.stills.empty()) {
     for (const double time : options.stills) {
-      if (!interrupted()) made(write_still(runs, time, render, folder));
+      if (interrupted()) break;
+      const fs::path file = folder / still_name(time, options.stills);
+      write_png(render_still(runs, time, render), file);
+      made(file);
     }
   } else if (options.frames) {
     const int count = render_frames(runs, folder, render, console.progress("render"));
@@ -118,7 +123,9 @@ Result run(const Options& options, bool film_named, Console& console) {
 }  // namespace
 
 fs::path still_into(const RunFolder& run, double time, const RenderOptions& options, const fs::path& folder) {
-  return write_still({&run}, time, options, folder);
+  const fs::path file = folder / still_name(time, {});
+  write_png(render_still({&run}, time, options), file);
+  return file;
 }
 
 Command add_render(CLI::App& root) {

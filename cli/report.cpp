@@ -7,6 +7,7 @@
 #include "cli/command.h"
 #include "cli/stages.h"
 #include "cli/usage.h"
+#include "model/errors.h"
 
 namespace grouser::cli {
 namespace {
@@ -51,6 +52,9 @@ Result run(const Options& options, Console& console) {
   const fs::path file = report_file(options);
   if (!options.file.empty() && file.has_parent_path()) fs::create_directories(file.parent_path());
   ReportOptions report = options.report;
+  if (report.from >= report.to)
+    throw InputError(
+        {"--from", "", fmt::format("a time before --to, {:g} s", report.to), fmt::format("{:g} s", report.from), ""});
   report.against = options.against;
   report.progress = console.progress("report");
   for (const std::string& channel : options.channels) report.channels.push_back(taken_apart(channel));
@@ -88,13 +92,16 @@ void add_comparison_options(CLI::App& app, Options& options) {
       ->group(k_group);
   app.add_option("--shift", options.report.shift, "Added to the measured time [s]")
       ->type_name("SECONDS")
+      ->check(finite_number())
       ->needs(against)
       ->group(k_group);
   app.add_option("--from", options.report.from, "Compare from this time of the run on [s]")
       ->type_name("SECONDS")
+      ->check(finite_number())
       ->group(k_group);
   app.add_option("--to", options.report.to, "Compare up to this time of the run [s]")
       ->type_name("SECONDS")
+      ->check(finite_number())
       ->group(k_group);
   app.add_option("--limit", options.report.limits,
                  "What a channel must reach, in place of the standing limit: iso=0.6, nrmse=0.2, lag_ms=20, "
@@ -116,7 +123,8 @@ Command add_report(CLI::App& root) {
   app->add_option("-o,--output", options->file,
                   "Report, with the same numbers in a .json beside it [report.html in the first DIR; with --against "
                   "against_FILE.html]")
-      ->type_name("FILE.html");
+      ->type_name("FILE.html")
+      ->check(ending_in(".html"));
   add_comparison_options(*app, *options);
   return {app, [options](Console& console) { return run(*options, console); }};
 }

@@ -10,6 +10,7 @@
 #include "identification/corrections.h"
 #include "identification/evaluate_fit.h"
 #include "model/errors.h"
+#include "model/replace_file.h"
 #include "model/rig_writer.h"
 #include "reports/report.h"
 #include "simulator/virtual_rig.h"
@@ -228,6 +229,7 @@ ReplayRecord rig_into(const fs::path& rig_file, const fs::path& bushing_file, co
   const Bushing bushing = read_bushing(bushing_file);
   require_laws(rig, bushing, bushing_file.string());
   require_own_folder(rig, folder);
+  require_apart({folder / "rig.json", folder / "replay.json", folder / "report.json"}, {bushing_file});
   VirtualCampaign made = drive_campaign(rig, bushing, progress);
   made.replay.provenance = provenance_of(rig, bushing, bushing_file.string());
   made.replay.provenance.command =

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "model/findings.h"
 
@@ -66,6 +67,22 @@ CLI::Validator one_of(std::vector<std::string> names, std::string extension) {
                              names);
           },
           ""};
+}
+
+CLI::Validator finite_number() {
+  return {[](std::string& text) {
+            double value = 0.0;
+            const bool right = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
+            return right ? std::string() : "expected a finite number, found " + text;
+          },
+          ""};
+}
+
+std::string empty_value(const CLI::App& root) {
+  for (const CLI::Option* option : innermost(root).get_options())
+    for (const std::string& value : option->results())
+      if (value.empty()) return option->get_name() + ": expected a value, found an empty text";
+  return "";
 }
 
 CLI::Validator ending_in(const std::string& extension) {

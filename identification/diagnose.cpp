@@ -117,7 +117,7 @@ void find_mixed_channels(PreparedTest& test, std::vector<FitWarning>& warnings) 
   }
   // Of an open ramp, or of a loop as good as elastic, the sign of the slope is all that can be told.
   const bool no_area = test.cycles.front().open || loss < k_least_loss * static_cast<double>(test.cycles.size());
-  const bool rises = sxf > -k_no_slope * std::sqrt(sxx * sff), turns_right = no_area ? rises : energy > 0.0;
+  const bool rises = sxf >= -k_no_slope * std::sqrt(sxx) * std::sqrt(sff), turns_right = no_area ? rises : energy > 0.0;
   if (turns_right && rises) return;
   const auto cycles = static_cast<double>(test.cycles.size());
   std::string evidence =

@@ -12,6 +12,7 @@ constexpr std::size_t k_most_findings = 20;
 // The names stand among the first so many lines that are not empty, and so many bytes.
 constexpr std::size_t k_head_lines = 200, k_head_bytes = 1u << 20;
 constexpr std::size_t k_most_columns = 10'000;
+constexpr double k_largest = 1e152;  // nobody measured it; products of two can still be summed
 
 std::string row_place(std::size_t row) { return "row " + std::to_string(row); }
 
@@ -54,7 +55,9 @@ class Table {
       if (i >= target_.size() || target_[i] == nullptr) continue;
       auto value = number_in(field);
       if (!value && missing_ == CsvReader::Missing::as_nan && is_missing(field)) value = std::nan("");
-      if (!value) findings_.add(row_place(row) + ", column " + head_.names[i], "a number", shown_field(field));
+      if (!value || std::abs(*value) > k_largest)
+        findings_.add(row_place(row) + ", column " + head_.names[i], value ? "a number up to 1e152" : "a number",
+                      shown_field(field));
       target_[i]->push_back(value.value_or(0.0));
     }
     const bool trailing = i == head_.names.size() + 1 && field.empty();  // a divider at the end divides nothing

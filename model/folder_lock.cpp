@@ -10,7 +10,7 @@ namespace grouser {
 namespace {
 
 Descriptor made_file(const std::filesystem::path& file) {
-  refuse_link(file);
+  require_own(file);
   constexpr mode_t k_for_all = 0666;  // less what the user's mask takes
   Descriptor descriptor(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, k_for_all));
   if (descriptor.number() < 0) fail_file("write", file);

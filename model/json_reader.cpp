@@ -259,6 +259,15 @@ std::string ObjectReader::text_or(const std::string& key, const std::string& fal
   return fallback;
 }
 
+std::string ObjectReader::file_name_at(const Json* value, const std::string& key) {
+  if (value == nullptr) return "";
+  if (!value->is_string()) return text_or(key, "");
+  std::string name = value->get<std::string>();
+  if (!name.empty() && name.find('\0') == std::string::npos) return name;
+  report(key, "the name of a file", shown(*value));
+  return "";
+}
+
 std::vector<std::string> ObjectReader::texts_or_none(const std::string& key) {
   const Json* value = find(key, false);
   if (value == nullptr) return {};

@@ -61,6 +61,9 @@ class ObjectReader {
   bool boolean_or(const std::string& key, bool fallback);
   std::string text(const std::string& key);
   std::string text_or(const std::string& key, const std::string& fallback);
+  /// Of another file: a text that is not empty and that the system takes as a whole.
+  std::string file_name(const std::string& key) { return file_name_at(find(key, true), key); }
+  std::string file_name_or_none(const std::string& key) { return file_name_at(find(key, false), key); }
   std::vector<std::string> texts_or_none(const std::string& key);
 
   /// One of the listed words.
@@ -99,6 +102,7 @@ class ObjectReader {
   [[nodiscard]] std::vector<std::string> keys_of_quantity(const std::string& name) const;
   std::optional<Found> find_quantity(const std::string& name, const Dimension& dimension, bool required);
   const Json* find(const std::string& key, bool required);
+  std::string file_name_at(const Json* value, const std::string& key);
   double number_at(const Json& value, const std::string& pointer, const std::string& what, Range range);
   std::vector<double> numbers_at(const Json& value, const std::string& pointer, const std::string& what,
                                  const Unit& unit, Range range = Range::any);

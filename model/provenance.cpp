@@ -4,7 +4,9 @@
 #include <sys/file.h>
 #include <sys/stat.h>
 
+#include <chrono>
 #include <fstream>
+#include <thread>
 
 #include "model/descriptor.h"
 #include "model/input_file.h"
@@ -48,16 +50,25 @@ bool bears(int descriptor, const std::filesystem::path& name) {
          own.st_dev == named.st_dev;
 }
 
+/// Waits for another process that writes the same, which takes no longer than its disk.
+void lock(int descriptor, const std::filesystem::path& file) {
+  constexpr std::chrono::milliseconds k_look_again{5}, k_longest{60'000};
+  for (std::chrono::milliseconds waited{}; ::flock(descriptor, LOCK_EX | LOCK_NB) != 0; waited += k_look_again) {
+    if (errno != EWOULDBLOCK && errno != EINTR) return;  // a file system without locks leaves the user to take care
+    if (waited > k_longest) throw FileError("cannot write " + file.string() + ": another process holds it");
+    std::this_thread::sleep_for(k_look_again);
+  }
+}
+
 /// Always the same name, so that what a killed process left is written over. Of two processes one waits for the other,
 /// whose rename takes the name away.
 Descriptor open_part(const std::filesystem::path& part, const std::filesystem::path& file) {
-  refuse_link(part);
   while (true) {
-    Descriptor opened(::open(part.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666));
+    require_own_file(part);
+    // A pipe that comes there now is not waited for.
+    Descriptor opened(::open(part.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666));
     if (opened.number() < 0) fail_file("write", file);
-    // A file system without locks leaves the user to take care.
-    while (::flock(opened.number(), LOCK_EX) != 0 && errno == EINTR) {
-    }
+    lock(opened.number(), file);
     if (!bears(opened.number(), part)) continue;
     if (::ftruncate(opened.number(), 0) != 0) fail_file("write", file);
     return opened;

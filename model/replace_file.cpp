@@ -12,6 +12,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
+[[noreturn]] void refuse(const fs::path& place, const std::string& why) {
+  throw FileError("cannot write " + place.string() + ": " + why);
+}
+
 /// A rename lasts once the folder is on the disk.
 void sync_folder_of(const fs::path& file) {
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
@@ -37,10 +41,44 @@ void replace_in_steps(const fs::path& made, const fs::path& folder) {
 
 }  // namespace
 
-void refuse_link(const fs::path& place) {
+void require_own(const fs::path& place) {
   std::error_code unknown;
-  if (!fs::is_symlink(fs::symlink_status(place, unknown))) return;
-  throw FileError("cannot write " + place.string() + ": expected no symbolic link there, for it may lead elsewhere");
+  const fs::file_status status = fs::symlink_status(place, unknown);
+  if (fs::is_symlink(status)) refuse(place, "expected no symbolic link there, for it may lead elsewhere");
+  refuse_device(place);
+}
+
+void require_own_file(const fs::path& file) {
+  require_own(file);
+  std::error_code unknown;
+  if (fs::is_regular_file(file, unknown) && fs::hard_link_count(file, unknown) > 1)
+    refuse(file, "expected no second name of that file (a hard link) elsewhere, for it would be written, too");
+}
+
+void refuse_device(const fs::path& file) {
+  std::error_code unknown;
+  if (fs::is_other(fs::symlink_status(file, unknown)))
+    refuse(file, "expected a file there or nothing, found a pipe, a device or a socket");
+}
+
+void require_apart(const std::vector<fs::path>& made, const std::vector<fs::path>& read) {
+  std::error_code absent;
+  for (const fs::path& output : made)
+    for (const fs::path& input : read)
+      if (fs::equivalent(output, input, absent))
+        refuse(output, "expected a name that no input has, found that of " + input.string());
+}
+
+void require_room(const fs::path& folder, std::uintmax_t bytes) {
+  const Descriptor nameless(::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0600));
+  if (nameless.number() < 0) {
+    if (errno == EOPNOTSUPP || errno == EISDIR || errno == EINVAL) return;
+    fail_file("write in", folder);
+  }
+  const int refused = ::posix_fallocate(nameless.number(), 0, static_cast<off_t>(bytes));
+  if (refused == 0 || refused == EOPNOTSUPP || refused == EINVAL) return;
+  errno = refused;
+  fail_file("write in", folder);
 }
 
 void sync_file(const fs::path& file) {
@@ -49,6 +87,7 @@ void sync_file(const fs::path& file) {
 }
 
 void replace_file(const fs::path& made, const fs::path& file) {
+  refuse_device(file);
   sync_file(made);
   if (::rename(made.c_str(), file.c_str()) != 0) fail_file("write", file);
   sync_folder_of(file);

@@ -64,6 +64,14 @@ RigSensor read_sensor(ObjectReader& r, bool measures_force) {
   return sensor;
 }
 
+/// What the rig itself adds; beyond `most`, in SI units, it is no rig.
+double read_of_rig(ObjectReader& r, const std::string& name, const Dimension& dimension, double most) {
+  const double value = r.quantity_or(name, dimension, 0.0, Range::non_negative);
+  if (value <= most) return value;
+  r.report(r.key_of(name), "at most " + shown(Json(most)) + " " + usual_unit(dimension), shown(Json(value)));
+  return 0.0;
+}
+
 /// Geometry is for people: any quantity, count or text.
 void check_geometry(ObjectReader& r) {
   r.each_member([&](const std::string& key, const Json& value) {
@@ -151,7 +159,7 @@ void read_source(ObjectReader& r, RigTest& test) {
   const bool driven = r.optional_object("protocol", [&](ObjectReader& p) {
     test.protocol = test.kind == TestKind::cyclic ? read_cyclic_protocol(p) : read_static_protocol(p, test.axis);
   });
-  test.file = r.text_or("file", "");
+  test.file = r.file_name_or_none("file");
   if (driven) require_drive(r, test);
   if (driven == r.has("file")) r.report("", "file or protocol", driven ? "both" : "neither");
 }
@@ -217,11 +225,10 @@ class RigReader {
       rig_.bushings_in_series = r.count_or("bushings_in_series", 1, 1, 1000);
       r.optional_object("geometry", check_geometry);
     });
-    rig_.rig_compliance = reader.quantity_or("rig_compliance", d::compliance, 0.0, Range::non_negative);
-    rig_.rig_angular_compliance =
-        reader.quantity_or("rig_angular_compliance", d::angular_compliance, 0.0, Range::non_negative);
-    rig_.moving_mass = reader.quantity_or("moving_mass", d::mass, 0.0, Range::non_negative);
-    rig_.moving_inertia = reader.quantity_or("moving_inertia", d::inertia, 0.0, Range::non_negative);
+    rig_.rig_compliance = read_of_rig(reader, "rig_compliance", d::compliance, 1.0);
+    rig_.rig_angular_compliance = read_of_rig(reader, "rig_angular_compliance", d::angular_compliance, 1.0);
+    rig_.moving_mass = read_of_rig(reader, "moving_mass", d::mass, 1e6);
+    rig_.moving_inertia = read_of_rig(reader, "moving_inertia", d::inertia, 1e6);
     reader.optional_object("thermal", [this](ObjectReader& r) { rig_.thermal = read_thermal(r); });
     rig_.synthetic = reader.optional_object("synthetic", [this](ObjectReader& r) { read_synthetic(r); });
     reader.optional_object("sensors", [this](ObjectReader& r) { read_sensors(r); });

@@ -84,7 +84,7 @@ Hdf5Handle create_dataset(hid_t file, const Channel& channel, std::size_t chunk_
 RunFile::RunFile(const std::filesystem::path& path, std::vector<ChannelTable> tables)
     : final_path_(path), path_(path.string() + ".part"), tables_(std::move(tables)) {
   silence_hdf5();
-  refuse_link(path_);
+  require_own_file(path_);
   file_ = create_file(path_);
 }
 

@@ -101,6 +101,14 @@ IntegratorOptions read_integrator(ObjectReader& r) {
   o.stability_fraction = r.number_or("stability_fraction", o.stability_fraction, Range::positive);
   o.growth_limit = r.number_or("growth_limit", o.growth_limit, Range::positive);
   o.fixed_step = r.quantity_or("fixed_step", d::time, o.fixed_step, Range::non_negative);
+  // At 1000 s neighbouring doubles are 1e-13 s apart: a shorter step would not move the time.
+  constexpr double k_least_step = 1e-12;
+  const auto require_time_to_move = [&r](const char* name, double step) {
+    if (step >= k_least_step) return;
+    r.report(r.key_of(name), "a step of at least 1e-12 s", Json(step).dump() + " s");
+  };
+  require_time_to_move("min_step", o.min_step);
+  if (o.fixed_step > 0.0) require_time_to_move("fixed_step", o.fixed_step);
   if (o.growth_limit <= 1.0) r.report("growth_limit", "a number > 1", Json(o.growth_limit).dump());
   if (o.min_step > o.max_step) {
     r.report(r.key_of("min_step"), "a step not above max_step", Json(o.min_step).dump() + " s");
@@ -127,8 +135,8 @@ AxisScale read_bushing_scale(ObjectReader& r) {
 /// The scenario's own document; the files that it names come later.
 void read_own(ObjectReader& r, Scenario& scenario, TerrainEntry& terrain) {
   scenario.name = r.text("name");
-  scenario.vehicle_file = r.text("vehicle");
-  scenario.bushing_file = r.text("bushing");
+  scenario.vehicle_file = r.file_name("vehicle");
+  scenario.bushing_file = r.file_name("bushing");
   r.optional_object("terrain", [&](ObjectReader& t) { terrain = read_terrain(t); });
   r.object("drive", [&](ObjectReader& drive) {
     for (const Side side : {Side::left, Side::right}) {
@@ -206,6 +214,7 @@ class ScenarioReader {
   void read_scenario_document() {
     const std::string bytes = read_whole(file_);
     scenario_.path = file_;
+    scenario_.files.push_back(file_);
     scenario_.provenance.inputs.push_back(provenance_input("scenario", file_.string(), bytes));
     scenario_.documents.scenario = read_text(bytes, k_scenario_format, "", findings_,
                                              [this](ObjectReader& r) { read_own(r, scenario_, terrain_); });
@@ -214,13 +223,11 @@ class ScenarioReader {
   /// Bytes of a file that `owner` names under /role, or that the user named in its place.
   std::optional<std::string> referred(const std::string& role, const std::string& by_user, std::string& name,
                                       const fs::path& owner, fs::path& path) {
-    if (!by_user.empty()) {
-      name = by_user;
-      path = by_user;
-      return read_whole(path);
-    }
-    if (name.empty()) return std::nullopt;  // the missing key is a finding already
-    path = (owner.parent_path() / name).lexically_normal();
+    if (!by_user.empty()) name = by_user;
+    if (name.empty()) return std::nullopt;  // a finding already
+    path = by_user.empty() ? (owner.parent_path() / name).lexically_normal() : fs::path(by_user);
+    scenario_.files.push_back(path);
+    if (!by_user.empty()) return read_whole(path);
     try {
       return read_whole(path);
     } catch (const FileError& error) {
@@ -344,7 +351,7 @@ Scenario read_scenario(const std::filesystem::path& file, const ScenarioOverride
 
 void write_inputs(const Scenario& scenario, const std::filesystem::path& run_folder) {
   const fs::path inputs = run_folder / "inputs";
-  refuse_link(inputs);
+  require_own(inputs);
   std::error_code error;
   fs::create_directories(inputs, error);
   if (error) throw FileError("cannot create " + inputs.string() + ": " + error.message());

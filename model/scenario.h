@@ -76,6 +76,7 @@ struct ScenarioDocuments {
 
 struct Scenario {
   std::filesystem::path path;
+  std::vector<std::filesystem::path> files;  ///< it and those that it was read from, as they were opened
   std::string name;
   std::string vehicle_file, bushing_file;  ///< relative to the scenario file
   std::string profile_file;                ///< of the terrain, relative to the scenario file; empty when none

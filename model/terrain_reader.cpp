@@ -90,7 +90,7 @@ TerrainEntry read_terrain(ObjectReader& r) {
   terrain.median = r.quantity_or("median", d::length, terrain.median, Range::positive);
   r.each_optional("friction_zones", [&](ObjectReader& zone) { terrain.zones.push_back(read_zone(zone)); });
   r.optional_object("profile", [&](ObjectReader& profile) {
-    entry.profile_file = profile.text("file");
+    entry.profile_file = profile.file_name("file");
     entry.profile_start = profile.quantity_or("start", d::length, 0.0);
   });
   r.optional_object("iso_8608", [&](ObjectReader& road) { terrain.road = read_road(road); });

@@ -1,5 +1,7 @@
 #include "model/utf8.h"
 
+#include <algorithm>
+
 namespace grouser {
 
 std::size_t utf8_length(std::string_view text, std::size_t at) {
@@ -22,6 +24,17 @@ bool is_utf8(std::string_view text) {
     at += length;
   }
   return true;
+}
+
+std::string to_utf8(std::string_view text) {
+  std::string right;
+  right.reserve(text.size());
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t length = utf8_length(text, at);
+    right += length == 0 ? "\xEF\xBF\xBD" : text.substr(at, length);
+    at += std::max<std::size_t>(length, 1);
+  }
+  return right;
 }
 
 }  // namespace grouser

@@ -204,7 +204,7 @@ Track read_track(ObjectReader& r) {
   track.clearance = r.quantity_or("clearance", d::length, 0.0, Range::non_negative);
   if (r.has_quantity("stop_angle")) track.stop_angle = r.quantity("stop_angle", d::angle, Range::positive);
   track.stop_stiffness = r.quantity_or("stop_stiffness", d::angular_stiffness, track.stop_stiffness, Range::positive);
-  track.bushing = r.text_or("bushing", "");
+  track.bushing = r.file_name_or_none("bushing");
   r.object("link", [&](ObjectReader& link) { read_link(link, track); });
   if (track.connection == Connection::double_pin) {
     r.optional_object("connector", [&](ObjectReader& connector) { read_connector_body(connector, track); });

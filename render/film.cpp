@@ -45,15 +45,24 @@ struct FrameTimes {
   double first = 0.0, interval = 1.0;
   int count = 1;
   FrameTimes(const SplitScreen& screen, const RenderOptions& options) : first(screen.first_time()) {
-    const auto require = [](const char* name, double value) {
-      if (!(value > 0.0)) throw InputError({"", name, "a number > 0", fmt::format("{}", value), ""});
-    };
-    require("fps", options.fps);
-    require("speed", options.speed);
+    require("fps", options.fps, 1e-3, 1e4);  // films know no other rates
+    require("speed", options.speed, 1e-6, 1e6);
     interval = options.speed / options.fps;
-    count = std::max(1, static_cast<int>(std::lround((screen.last_time() - first) / interval)));
+    const double pictures = (screen.last_time() - first) / interval;
+    if (pictures > k_most_pictures)
+      throw InputError({"film", "fps and speed", fmt::format("at most {} pictures", k_most_pictures),
+                        fmt::format("{:.4g}", pictures), ""});
+    count = std::max(1, static_cast<int>(std::lround(pictures)));
   }
   [[nodiscard]] double at(int frame) const { return first + frame * interval; }
+
+ private:
+  static constexpr int k_most_pictures = 1'000'000;  ///< the last is frame_999999.png
+  static void require(const char* name, double value, double least, double most) {
+    if (value >= least && value <= most) return;
+    throw InputError(
+        {"film", name, fmt::format("a number from {:g} to {:g}", least, most), fmt::format("{}", value), ""});
+  }
 };
 
 bool keep_going(const Progress& progress, const FrameTimes& times, int done) {
@@ -144,7 +153,7 @@ int render_film(const Runs& runs, const fs::path& file, const RenderOptions& opt
   const FrameTimes times(screen, options);
   const std::string hidden = "." + file.stem().string(), mark = film_mark(runs);
   const fs::path stretches = file.parent_path() / (hidden + ".stretches");
-  refuse_link(stretches);
+  require_own(stretches);
   PartStore store(stretches, k_stretches, digest_of(mark, options), (times.count - 1) / k_stretch + 1);
   for (int first = store.done() * k_stretch; first < times.count; first += k_stretch) {
     FilmEncoder encoder(store.next(), options.width, options.height, options.fps);

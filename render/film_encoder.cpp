@@ -44,7 +44,7 @@ class Mp4Writer {
   }
   [[nodiscard]] AVStream& stream() { return *made(stream_, file_); }
   void begin() {
-    refuse_link(file_);
+    require_own_file(file_);
     checked(avio_open(&context_->pb, av_file_url(file_).c_str(), AVIO_FLAG_WRITE), file_);
     checked(avformat_write_header(context_, nullptr), file_);
   }

@@ -29,7 +29,7 @@ void require_size(int width, int height) {
   const auto good = [](int n) { return n >= 16 && n <= 8192 && n % 2 == 0; };
   if (good(width) && good(height)) return;
   throw InputError(
-      {"", "picture size", "even numbers from 16 to 8192", std::to_string(width) + " x " + std::to_string(height), ""});
+      {"picture", "size", "even numbers from 16 to 8192", std::to_string(width) + " x " + std::to_string(height), ""});
 }
 
 constexpr float k_ghost = 0.3f;    ///< share that is drawn of a see-through body: one of four samples

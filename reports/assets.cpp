@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "model/provenance.h"
+#include "model/utf8.h"
 #include "render/base64.h"
 #include "reports/twin.h"
 
@@ -132,7 +133,7 @@ std::string render_page(std::string_view page, const nlohmann::json& facts) {
   mustache text(template_text(page));
   std::string html = text.render(values);
   if (!text.is_valid()) throw std::logic_error("page template " + std::string(page) + ": " + text.error_message());
-  return html;
+  return to_utf8(html);
 }
 
 }  // namespace grouser

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "model/errors.h"
+#include "model/replace_file.h"
 #include "reports/against_page.h"
 #include "reports/assets.h"
 #include "reports/figure_block.h"
@@ -21,6 +22,7 @@ namespace {
 
 using nlohmann::json;
 
+constexpr const char* k_report_format = "grouser.report/1";
 constexpr std::ptrdiff_t k_longest_path = 64;  // parts; one folder given twice cannot be told apart
 
 /// Folders that hold a run, a fit or a virtual rig's replay; a folder that holds none is the user's mistake.
@@ -175,16 +177,11 @@ std::string title_of(const json& page, const Opened& opened, std::size_t parts) 
 
 /// A page without any part.
 json empty_page(bool several) {
-  return {{"format", "grouser.report/1"},
-          {"against", json::array()},
-          {"runs", json::array()},
-          {"fits", json::array()},
-          {"rigs", json::array()},
-          {"study", false},
-          {"compares", false},
-          {"comparison", false},
-          {"fit_comparison", false},
-          {"version", program_version()},
+  return {{"format", k_report_format}, {"against", json::array()},
+          {"runs", json::array()},     {"fits", json::array()},
+          {"rigs", json::array()},     {"study", false},
+          {"compares", false},         {"comparison", false},
+          {"fit_comparison", false},   {"version", program_version()},
           {"several", several}};
 }
 
@@ -296,15 +293,30 @@ std::vector<ChannelEntry> run_channels(const std::filesystem::path& folder) {
   return entries;
 }
 
+namespace {
+
+/// What bears the name of the numbers beside a page is their like, or nothing: never a file that somebody else made.
+void require_twin(const std::filesystem::path& twin) {
+  if (!std::filesystem::exists(twin)) return;
+  const json there = json::parse(read_whole(twin), nullptr, false);
+  if (there.is_object() && there.value("format", json()) == k_report_format) return;
+  throw FileError("cannot write " + twin.string() + ": expected the numbers of an earlier report there (" +
+                  k_report_format + ") or nothing, found another file");
+}
+
+}  // namespace
+
 std::vector<ChannelVerdict> write_report(const std::vector<std::filesystem::path>& folders,
                                          const std::filesystem::path& html_file, const ReportOptions& options) {
+  std::filesystem::path twin = html_file;
+  twin.replace_extension(".json");
+  require_twin(twin);
+  refuse_device(html_file);
   std::vector<ChannelVerdict> verdicts;
   const json page = options.against.empty() ? page_facts(open_folders(folders), options)
                                             : against_page(open_folders(folders), options, verdicts);
   const std::string html = render_page("report", page);
   if (options.progress && !options.progress({1.0, ""})) throw Interrupted("before the report was whole");
-  std::filesystem::path twin = html_file;
-  twin.replace_extension(".json");
   write_whole(twin, twin_text(page));
   write_whole(html_file, html);
   return verdicts;

@@ -67,14 +67,23 @@ RunStart assembled(const System& system, const Progress& progress) {
 /// before anything of an earlier run is touched.
 FolderLock locked(const std::filesystem::path& folder) {
   FolderLock lock(folder, "run");
-  for (const char* name : {"run.h5.part", "run.json.part", "checkpoint.part", "inputs"}) refuse_link(folder / name);
+  for (const char* name : {"run.h5.part", "run.json.part", "checkpoint.part"}) require_own_file(folder / name);
+  require_own(folder / "inputs");
   return lock;
+}
+
+/// Throws where the run could not begin, before anything of an earlier run is touched.
+void require_place(const Scenario& scenario, const std::filesystem::path& folder) {
+  constexpr std::uintmax_t k_least_run = 1 << 20;  // bytes, beside the longest of the inputs
+  std::filesystem::create_directories(folder / "inputs");
+  require_room(folder / "inputs", scenario.documents.profile.size() + k_least_run);
 }
 
 /// From time 0, in a folder that is locked. The checkpoint goes first: none without its run.
 RunSummary begin_run(const System& system, const RunStart& start, const std::filesystem::path& folder,
                      const Progress& progress) {
   RunSummary summary = start_summary(system);
+  require_place(system.scenario, folder);
   std::filesystem::remove(folder / "checkpoint");
   mark_as_running(summary, folder);
   write_inputs(system.scenario, folder);
@@ -93,6 +102,7 @@ bool only_begun(const std::filesystem::path& folder) {
 }  // namespace
 
 RunSummary simulate(const Scenario& scenario, const std::filesystem::path& folder, const Progress& progress) {
+  require_apart({folder / "run.h5", folder / "run.json", folder / "checkpoint"}, scenario.files);
   const System system = compile(scenario);
   const RunStart start = assembled(system, progress);
   std::filesystem::create_directories(folder);

@@ -30,6 +30,7 @@ UNITS = {
 
 NUMBER, TEXT, BOOLEAN = {"type": "number"}, {"type": "string"}, {"type": "boolean"}
 POSITIVE, NOT_NEGATIVE = {"type": "number", "exclusiveMinimum": 0}, {"type": "number", "minimum": 0}
+FILE_NAME = {"type": "string", "minLength": 1}
 NUMBERS, TEXTS = {"type": "array", "items": NUMBER}, {"type": "array", "items": TEXT}
 OPEN_NUMBER = {"type": ["number", "null"]}
 OPEN_NUMBERS = {"type": "array", "items": OPEN_NUMBER}
@@ -116,7 +117,7 @@ def sensor(displacements):
 COLUMNS = record(time_=TEXT, displacement_=TEXT, angle_=TEXT, force_=TEXT, torque_=TEXT, temperature_=TEXT)
 CORRECTIONS = list_of(one_of("swap_columns", "reverse_force", "remove_backlash", "remove_creep", "remove_conditioning",
                              "segment_at_jumps"))
-MEASURED_TEST = record(name=TEXT, axis=one_of(*AXES), kind=one_of("static", "cyclic"), file=TEXT, columns_=COLUMNS,
+MEASURED_TEST = record(name=TEXT, axis=one_of(*AXES), kind=one_of("static", "cyclic"), file=FILE_NAME, columns_=COLUMNS,
                        rate_=("speed|angular speed", POSITIVE), frequency_=("frequency", POSITIVE),
                        amplitude_=("length|angle", POSITIVE), preset_=("length|angle", NUMBER),
                        sample_rate_=("frequency", POSITIVE), discard_cycles_=whole(0),
@@ -301,7 +302,7 @@ TRACK = record(links=whole(10), pitch=("length", POSITIVE), connection=one_of("s
                connector_length_=("length", POSITIVE), connector_=record(**MASS_OF_PART, condensed_=BOOLEAN),
                pin_radius=("length", POSITIVE), pre_tension=("force", POSITIVE), pre_torsion_=("angle", NUMBER),
                clearance_=("length", NOT_NEGATIVE), stop_angle_=("angle", POSITIVE),
-               stop_stiffness_=("angular stiffness", POSITIVE), bushing_=TEXT, link=LINK)
+               stop_stiffness_=("angular stiffness", POSITIVE), bushing_=FILE_NAME, link=LINK)
 SIDE = record(track_center_y=("length", NUMBER), sprocket=SPROCKET, idler=IDLER, support_rollers=list_of(DISCS),
               stations=list_of(STATION, 2), track=TRACK)
 COLOR = {"type": "string", "pattern": "^#[0-9a-fA-F]{6}$"}
@@ -338,12 +339,12 @@ TERRAIN = record(
     friction_=NOT_NEGATIVE, slope_=NUMBER, cross_slope_=NUMBER, median_=("length", POSITIVE),
     friction_zones_=list_of(record(side_=GROUND_SIDE, **{"from": ("length", NUMBER)}, to=("length", NUMBER),
                                    friction=NOT_NEGATIVE)),
-    profile_=record(file=TEXT, start_=("length", NUMBER)),
+    profile_=record(file=FILE_NAME, start_=("length", NUMBER)),
     iso_8608_=record(**{"class": one_of(*"ABCDEFGH")}, seed=whole(0), start_=("length", NUMBER),
                      length=("length", POSITIVE)),
     obstacles_=list_of(OBSTACLE))
 SCENARIO = document(
-    "scenario", "What a vehicle does", name=TEXT, vehicle=TEXT, bushing=TEXT, terrain_=TERRAIN,
+    "scenario", "What a vehicle does", name=TEXT, vehicle=FILE_NAME, bushing=FILE_NAME, terrain_=TERRAIN,
     drive=record(left=DRIVE, right=DRIVE), duration=("time", POSITIVE), gravity_=("acceleration", POSITIVE),
     bushing_scale_={"anyOf": [POSITIVE, record(**{axis + "_": POSITIVE for axis in AXES})]},
     output_=record(rate_=("frequency", POSITIVE), probe_rate_=("frequency", POSITIVE),

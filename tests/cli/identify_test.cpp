@@ -157,9 +157,9 @@ TEST(Identify, ListsCorrectionsAndChecksOfEveryAxis) {
 }
 
 TEST(Identify, GivesNoResultWhereTheFitMissesItsOptimum) {
-  // Forces of 1e155 N: their squares leave the range of a double, so no fit can reach its optimum.
+  // Forces of 1e154 N: their squares leave the range of a double, so no fit can reach its optimum.
   const TemporaryFolder folder;
-  const Row huge = [](double time, double x, double force) { return plain_row(time, x, 1e150 * force); };
+  const Row huge = [](double time, double x, double force) { return plain_row(time, x, 1e149 * force); };
   const fs::path rig = campaign(folder, "", "time_s,displacement_mm,force_kN", huge);
   const CommandOutput output = grouser({"identify", rig.string(), "-o", (folder / "fit").string()});
   EXPECT_EQ(output.exit_code, 4) << output.err;

@@ -73,6 +73,9 @@ TEST(Usage, ValuesThatCannotBeAreRefusedBeforeAnyWork) {
       {{"identify", "rig.json", "--threads", "0"}, "--threads"},
       {{"render", "run", "--film", "film.avi"}, ".mp4, found film.avi"},
       {{"plot", "run", "--figure", "tension", "-o", "a.pdf"}, ".svg, found a.pdf"},
+      {{"report", "run", "-o", "run/run.h5"}, ".html, found run/run.h5"},
+      {{"report", "run", "--from", "nan"}, "--from: expected a finite number, found nan"},
+      {{"simulate", "scenario.json", "--vehicle", ""}, "--vehicle: expected a value, found an empty text"},
       {{"report"}, "DIR"},
       {{"check"}, "FILE"},
   };

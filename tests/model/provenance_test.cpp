@@ -113,6 +113,41 @@ TEST_F(ReplaceFolder, ThatFailsLeavesTheOldOne) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 2);
 }
 
+TEST(WriteWhole, WaitsForNoPipeAndReplacesNone) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(::mkfifo((folder.path() / "out.json.part").c_str(), 0600), 0);
+  EXPECT_THROW(write_whole(folder.path() / "out.json", "new"), FileError);
+  ASSERT_EQ(::mkfifo((folder.path() / "pipe").c_str(), 0600), 0);
+  EXPECT_THROW(write_whole(folder.path() / "pipe", "new"), FileError);
+  EXPECT_TRUE(std::filesystem::is_fifo(folder.path() / "pipe"));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 2);
+}
+
+TEST(WriteWhole, LeavesTheOtherNameOfAFileAlone) {
+  const TemporaryFolder folder;
+  const auto precious = folder.write("precious", "of somebody");
+  std::filesystem::create_hard_link(precious, folder.path() / "out.json.part");
+  EXPECT_THROW(write_whole(folder.path() / "out.json", "new"), FileError);
+  EXPECT_EQ(read_whole(precious), "of somebody");
+}
+
+TEST(RequireApart, KnowsAFileByWhateverName) {
+  const TemporaryFolder folder;
+  const auto input = folder.write("input.json", "given");
+  std::filesystem::create_symlink(input, folder.path() / "link.json");
+  EXPECT_THROW(require_apart({folder.path() / "absent", folder.path() / "." / "input.json"}, {input}), FileError);
+  EXPECT_THROW(require_apart({input}, {folder.path() / "absent", folder.path() / "link.json"}), FileError);
+  EXPECT_NO_THROW(require_apart({folder.path() / "absent"}, {input, folder.path() / "absent"}));
+}
+
+TEST(RequireRoom, FindsWhatIsThereAndLeavesNothing) {
+  const TemporaryFolder folder;
+  EXPECT_NO_THROW(require_room(folder.path(), 1000));
+  EXPECT_THROW(require_room(folder.path(), std::uintmax_t{1} << 60), FileError);
+  EXPECT_THROW(require_room(folder.path() / "absent", 1000), FileError);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
 TEST(FolderLock, IsHeldByOneAtATimeAndGivenBack) {
   const TemporaryFolder folder;
   {

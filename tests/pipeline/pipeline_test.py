@@ -5,6 +5,7 @@ import hashlib
 import json
 import os
 import random
+import shutil
 import signal
 import struct
 import subprocess
@@ -192,6 +193,32 @@ class Pipeline(unittest.TestCase):
             head = file.read(24)
         self.assertEqual(head[:8], b"\x89PNG\r\n\x1a\n")
         self.assertEqual(struct.unpack(">II", head[16:24]), (320, 180))
+
+    def test_two_stills_of_one_millisecond_have_two_names(self):
+        made = result("render", self.run_dir, "-o", self.path("stills"), "--still", "0.0101", "--still", "0.0104", "--still", "0.02", "--size",
+                      "64x64")
+        names = ["still_0.0101s.png", "still_0.0104s.png", "still_0.020s.png"]
+        self.assertEqual([os.path.basename(name) for name in made["outputs"]], names)
+        self.assertEqual(sorted(os.listdir(self.path("stills"))), names)
+
+    def test_exports_do_not_follow_a_link(self):
+        run_dir, elsewhere = self.path("linked_run"), self.path("elsewhere")
+        shutil.copytree(self.run_dir, run_dir)
+        os.mkdir(elsewhere)
+        os.symlink(elsewhere, os.path.join(run_dir, "csv"))
+        refused = subprocess.run([COMMAND, "export", run_dir], capture_output=True, text=True, check=False)
+        self.assertEqual((refused.returncode, os.listdir(elsewhere)), (5, []), refused.stderr)
+
+    def test_identify_does_not_write_over_its_campaign(self):
+        campaign = self.path("campaign")
+        shutil.copytree(os.path.join(DATA, "rig", "reference"), campaign)
+        file = os.path.join(campaign, "bushing.json")
+        os.rename(os.path.join(campaign, "rig.json"), file)
+        before = self.read_json("campaign", "bushing.json")
+        refused = subprocess.run([COMMAND, "identify", file, "-o", campaign], capture_output=True, text=True, check=False)
+        self.assertEqual(refused.returncode, 5, refused.stderr)
+        self.assertIn("expected a name that no input has", refused.stderr)
+        self.assertEqual(self.read_json("campaign", "bushing.json"), before)
 
     def test_render_writes_frames_and_a_film_of_the_whole_run(self):
         frames = result("render", self.run_dir, "-o", self.path("frames"), "--frames", "--size", "320x180", "--fps", "10")

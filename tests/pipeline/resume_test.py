@@ -3,6 +3,8 @@
 import json
 import os
 import random
+import resource
+import shutil
 import signal
 import subprocess
 import tempfile
@@ -140,6 +142,31 @@ class Resume(unittest.TestCase):
         process.wait()
         self.assertEqual(done.returncode, 5, done.stderr)
         self.assertIn("another process is still writing this run", done.stderr)
+
+    def test_a_run_that_cannot_begin_leaves_the_one_before_it(self):
+        folder = self.folder("no_room")
+        self.stop_at_first_checkpoint(folder, signal.SIGKILL)
+
+        def no_room():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
+
+        done = subprocess.run([COMMAND, *SIMULATE, "-q"], cwd=folder, capture_output=True, text=True, preexec_fn=no_room)
+        self.assertEqual(done.returncode, 5, done.stderr)
+        self.assertIn("cannot write in run/inputs: File too large", done.stderr)
+        self.compare(folder)
+
+    def test_a_run_does_not_take_the_name_of_its_scenario(self):
+        folder = self.folder("own_scenario")
+        shutil.copytree(os.path.join(self.whole, "run", "inputs"), os.path.join(folder, "inputs"))
+        scenario = os.path.join(folder, "inputs", "run.json")
+        os.rename(os.path.join(folder, "inputs", "scenario.json"), scenario)
+        with open(scenario, "rb") as file:
+            before = file.read()
+        done = subprocess.run([COMMAND, "simulate", scenario, "-o", os.path.join(folder, "inputs")], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 5, done.stderr)
+        self.assertIn("run.json: expected a name that no input has", done.stderr)
+        with open(scenario, "rb") as file:
+            self.assertEqual(file.read(), before)
 
     def test_a_completed_run_is_not_resumed(self):
         self.assertIn("expected a run that was stopped or killed, found completed", self.refusal(self.whole))

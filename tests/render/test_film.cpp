@@ -316,6 +316,14 @@ TEST_F(Film, OddSizesAreRefused) {
   EXPECT_THROW((void)render_film(run(), folder_.path() / "film.mp4", options_), InputError);
 }
 
+TEST_F(Film, MorePicturesThanHaveNamesAreRefused) {
+  options_.fps = 1e4;
+  options_.speed = 1e-6;
+  EXPECT_THROW((void)render_frames({&opened_}, folder_.path(), options_, {}), InputError);
+  options_.fps = 1e300;
+  EXPECT_THROW((void)render_frames({&opened_}, folder_.path(), options_, {}), InputError);
+}
+
 TEST_F(Film, PosesBetweenSamplesLieBetween) {
   const RunFolder opened = run();
   PoseReader reader(opened);

@@ -9,6 +9,7 @@
 #include "model/errors.h"
 #include "model/fit.h"
 #include "model/provenance.h"
+#include "model/utf8.h"
 #include "render/render.h"
 #include "reports/assets.h"
 #include "reports/remedies.h"
@@ -241,6 +242,26 @@ TEST_F(Pages, NamesStayText) {
   EXPECT_THAT(html, Not(HasSubstr("<script>alert(1)")));
   EXPECT_THAT(visible_text(html), HasSubstr(evil));
   EXPECT_EQ(twin()["runs"][0]["title"], evil);
+}
+
+TEST_F(Pages, IsUtf8WhateverTheFoldersAreCalled) {
+  const std::string strange = "run_\xFF", name = "Run A";
+  mock::write_run(folder_ / strange, {.name = name});
+  const std::string html = report({"run_a", strange});
+  EXPECT_TRUE(is_utf8(html));
+  EXPECT_THAT(html, HasSubstr("run_\xEF\xBF\xBD"));
+}
+
+TEST_F(Pages, NoFileThatIsNoReportIsReplaced) {
+  std::ofstream(folder_ / "vehicle.json") << R"({"format": "grouser.vehicle/1"})";
+  EXPECT_THROW((void)write_report({folder_ / "run_a"}, folder_ / "vehicle.html"), FileError);
+  EXPECT_EQ(read_whole(folder_ / "vehicle.json"), R"({"format": "grouser.vehicle/1"})");
+  const std::string before = read_whole(folder_ / "run_a" / "run.json");
+  EXPECT_THROW((void)write_report({folder_ / "run_a"}, folder_ / "run_a" / "run.html"), FileError);
+  EXPECT_EQ(read_whole(folder_ / "run_a" / "run.json"), before);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "vehicle.html"));
+  report({"run_a"});
+  EXPECT_NO_THROW(report({"run_a"}));  // its own numbers of the last time
 }
 
 TEST_F(FitPages, NamesOfAFitStayText) {
