@@ -16,6 +16,8 @@ namespace {
 constexpr std::size_t k_clipped_run = 4;     // equal samples at the extreme; noise and a sine's crest give 2 or 3
 constexpr std::size_t k_long_run = 12;       // long enough to tell a cut crest from a round one in coarse steps
 constexpr double k_round = 0.25;             // a round crest dwells 41 % longer in the next step down, a cut one hardly
+constexpr double k_rare = 0.02;              // share of samples that a range is told without
+constexpr std::size_t k_longest_spike = 3;   // samples
 constexpr double k_offset = 0.05;            // of the range
 constexpr double k_both = 0.4;               // shares of force and displacement this alike are one preload
 constexpr double k_start = 0.02;             // of the range: a ramp that starts at zero
@@ -155,6 +157,33 @@ struct Channel {
   }
 };
 
+// A leap out of the range of all other samples and back within a few is no motion.
+void find_spikes(const RigTest& test, const Channel& channel, std::vector<FitWarning>& warnings) {
+  if (channel.values.empty()) return;
+  std::vector<double> sorted = channel.values;
+  std::ranges::sort(sorted);
+  const auto of_rank = [&](double share) {
+    return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
+  };
+  const double low = of_rank(k_rare), high = of_rank(1.0 - k_rare), range = high - low;
+  std::size_t spikes = 0, first = 0, run = 0;
+  for (std::size_t i = 0; i <= channel.values.size(); ++i) {
+    if (i < channel.values.size() && (channel.values[i] < low - range || channel.values[i] > high + range)) {
+      ++run;
+      continue;
+    }
+    if (run > 0 && run <= k_longest_spike && ++spikes == 1) first = i - run;
+    run = 0;
+  }
+  if (spikes == 0 || range == 0.0) return;
+  const Axis axis = test.axis;
+  warnings.push_back({"spike", test.name,
+                      fmt::format("{} leaps to {} in row {} and back{}, where nearly all of it lies from {} to {}",
+                                  channel.name, channel.show(channel.values[first], axis), first + 1,
+                                  spikes > 1 ? fmt::format(", and {} times more", spikes - 1) : "",
+                                  channel.show(low, axis), channel.show(high, axis))});
+}
+
 // Change of the cycle means over the used cycles of a block, by regression.
 void find_drift(const PreparedTest& test, const Channel& channel, std::vector<FitWarning>& warnings) {
   std::map<int, std::vector<double>> means;
@@ -282,6 +311,11 @@ void find_tilt(const PreparedTest& test, std::vector<FitWarning>& warnings) {
 }
 
 }  // namespace
+
+void find_spikes(const RigTest& test, std::vector<FitWarning>& warnings) {
+  find_spikes(test, {test.displacement, "displacement", "", false}, warnings);
+  find_spikes(test, {test.force, "force", "", true}, warnings);
+}
 
 void diagnose(PreparedTest& test, const RigRecord& rig, std::vector<FitWarning>& warnings) {
   const std::string& name = test.source->name;

@@ -259,6 +259,7 @@ PreparedTest prepare_test(const RigTest& test, const RigRecord& rig, std::vector
   PreparedTest prepared;
   prepared.source = &test;
   std::vector<std::size_t> parts;
+  find_spikes(test, warnings);
   const bool counted = load(prepared, rig, parts, corrections);
   cut_cycles(prepared, parts);
   for (Cycle& cycle : prepared.cycles) measure_extent(cycle, prepared.displacement);

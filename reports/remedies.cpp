@@ -13,13 +13,17 @@ struct Entry {
   const char* correction;
 };
 
-constexpr std::array<Entry, 24> k_entries{{
+constexpr std::array<Entry, 25> k_entries{{
     {"drift", "A zero wanders during the test",
      "A straight drift of the force is taken out in the fit and listed with the test. Let the amplifiers warm up and "
      "zero them before each test; where the specimen creeps, ask for the correction.",
      "remove_creep"},
     {"clipped_sensor", "A sensor reached its limit",
      "Repeat the test in a larger range of the sensor: what was cut off cannot be had back.", ""},
+    {"spike", "Single samples leap out of the range",
+     "Look for a disturbance of the measurement (a loose cable, a switch, a fault of the logger), and take these rows "
+     "out of the file: other findings of the same test may come from them.",
+     ""},
     {"swapped_columns", "Force and displacement stand in each other’s columns",
      "Name the columns in the rig file as they are, or ask for the correction.", "swap_columns"},
     {"reversed_polarity", "One sensor counts the other way",

@@ -44,6 +44,18 @@ TEST(Diagnosis, SaysThatReversedTimeOrALagLooksLikeSwappedColumns) {
   }
 }
 
+TEST(Diagnosis, NamesSpikes) {
+  RigTest force = loop(), displacement = loop(), burst = loop();
+  force.force[600] = force.force[900] = -1e9;
+  displacement.displacement[700] = 0.01;
+  EXPECT_THAT(Prepared(force).text("spike"),
+              HasSubstr("force leaps to -1e+06 kN in row 601 and back, and 1 times more"));
+  EXPECT_THAT(Prepared(displacement).text("spike"),
+              HasSubstr("displacement leaps to 10 mm in row 701 and back, where"));
+  for (std::size_t i = 600; i < 620; ++i) burst.force[i] *= 20.0;  // whatever it is, it lasts
+  EXPECT_EQ(Prepared(burst).text("spike"), "");
+}
+
 TEST(Diagnosis, NamesReversedPolarityOfEitherChannel) {
   RigTest force = loop(), displacement = loop();
   for (double& value : force.force) value = -value;
