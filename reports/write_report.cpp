@@ -295,9 +295,10 @@ std::vector<ChannelEntry> run_channels(const std::filesystem::path& folder) {
 
 namespace {
 
-/// What bears the name of the numbers beside a page is their like, or nothing: never a file that somebody else made.
+/// What bears the name of the numbers beside a page is their like, a link, whose place they take, or nothing: never a
+/// file that somebody else made.
 void require_twin(const std::filesystem::path& twin) {
-  if (!std::filesystem::exists(twin)) return;
+  if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(twin))) return;
   const json there = json::parse(read_whole(twin), nullptr, false);
   if (there.is_object() && there.value("format", json()) == k_report_format) return;
   throw FileError("cannot write " + twin.string() + ": expected the numbers of an earlier report there (" +

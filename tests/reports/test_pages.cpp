@@ -260,6 +260,10 @@ TEST_F(Pages, NoFileThatIsNoReportIsReplaced) {
   EXPECT_THROW((void)write_report({folder_ / "run_a"}, folder_ / "run_a" / "run.html"), FileError);
   EXPECT_EQ(read_whole(folder_ / "run_a" / "run.json"), before);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "vehicle.html"));
+  std::filesystem::create_symlink("vehicle.json", folder_ / "link.json");
+  EXPECT_NO_THROW((void)write_report({folder_ / "run_a"}, folder_ / "link.html"));  // the link's place is taken
+  EXPECT_FALSE(std::filesystem::is_symlink(folder_ / "link.json"));
+  EXPECT_EQ(read_whole(folder_ / "vehicle.json"), R"({"format": "grouser.vehicle/1"})");
   report({"run_a"});
   EXPECT_NO_THROW(report({"run_a"}));  // its own numbers of the last time
 }
