@@ -45,7 +45,7 @@ struct FrameTimes {
   double first = 0.0, interval = 1.0;
   int count = 1;
   FrameTimes(const SplitScreen& screen, const RenderOptions& options) : first(screen.first_time()) {
-    require("fps", options.fps, 1e-3, 1e4);  // films know no other rates
+    require("fps", options.fps, 1e-3, 300.0);  // stretches of faster films were seen not to join
     require("speed", options.speed, 1e-6, 1e6);
     interval = options.speed / options.fps;
     const double pictures = (screen.last_time() - first) / interval;
