@@ -75,6 +75,14 @@ bool read_packet(AVFormatContext& in, AVPacket& packet, const fs::path& film) {
   return code != AVERROR_EOF && av_checked<DamagedFilm>(code, not_readable(film)) >= 0;
 }
 
+/// How long each frame of a stretch is shown, in its time base: the same for all. (av_read_frame() guesses it, and
+/// leaves it at 0 from 1000 fields a second on.)
+std::int64_t duration_of_frame(const AVStream& stream, const fs::path& film) {
+  if (stream.nb_frames <= 0 || stream.duration < stream.nb_frames)
+    throw DamagedFilm(not_readable(film) + ": expected frames");
+  return stream.duration / stream.nb_frames;
+}
+
 AvCodecHandle open_x264(const fs::path& file, int width, int height, double fps) {
   const AVCodec* x264 = made(avcodec_find_encoder_by_name("libx264"), file);
   AvCodecHandle codec(made(avcodec_alloc_context3(x264), file));
@@ -176,16 +184,16 @@ void join_films(const std::vector<fs::path>& stretches, const fs::path& file, co
       out.stream().avg_frame_rate = from.avg_frame_rate;
       out.begin();
     }
-    std::int64_t end = start;
+    const std::int64_t shown = duration_of_frame(from, stretch);
     while (read_packet(*in, *packet, stretch)) {
+      packet->duration = shown;
       av_packet_rescale_ts(packet.get(), from.time_base, out.stream().time_base);
       packet->pts += start;
       packet->dts += start;
       packet->pos = -1;
-      end = std::max(end, packet->pts + packet->duration);
       out.write(*packet);
     }
-    start = end;
+    start += av_rescale_q(shown * from.nb_frames, from.time_base, out.stream().time_base);
   }
   out.finish();
 }

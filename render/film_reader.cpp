@@ -41,6 +41,11 @@ bool FilmReader::next() {
   }
 }
 
+double FilmReader::duration() const {
+  const AVStream& stream = *impl_->input->streams[0];
+  return static_cast<double>(stream.duration) * av_q2d(stream.time_base);
+}
+
 Image FilmReader::frame() const {
   const AVFrame& from = *impl_->frame;
   const AvScalerHandle scaler =

@@ -24,6 +24,8 @@ class FilmReader {
 
   /// Goes on to the next frame; false after the last. Throws DamagedFilm where one cannot be read.
   bool next();
+  /// s, of all frames.
+  [[nodiscard]] double duration() const;
   /// The frame that next() went to.
   [[nodiscard]] Image frame() const;
 

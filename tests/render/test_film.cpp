@@ -8,6 +8,7 @@
 #include "model/errors.h"
 #include "model/folder_lock.h"
 #include "model/provenance.h"
+#include "render/film_encoder.h"
 #include "render/film_reader.h"
 #include "render/part_store.h"
 #include "render/pose.h"
@@ -81,6 +82,27 @@ TEST_F(Film, StoppedGoesOnAndEndsAsIfItHadNotBeenStopped) {
   EXPECT_EQ(from, 60.0 / count);
   EXPECT_EQ(std::distance(fs::directory_iterator(target), {}), 1);  // the film, and nothing of how it was made
   EXPECT_EQ(read_whole(target / "film.mp4"), read_whole(whole));
+}
+
+/// libavformat does not know how long a frame is shown from 1000 fields a second on, where stretches must still follow
+/// one another.
+TEST_F(Film, OfStretchesIsAsLongAsItsFramesAtAnyRate) {
+  const Image image{32, 18, std::vector<std::uint8_t>(std::size_t{3 * 32 * 18}, 90)};
+  for (const double fps : {0.001, 23.976, 123.456789, 499.0, 500.0, 1001.0, 9999.5, 1e4}) {
+    std::vector<fs::path> stretches;
+    for (const int frames : {60, 60, 1}) {
+      stretches.push_back(folder_.path() / fmt::format("stretch_{}.mp4", stretches.size()));
+      FilmEncoder encoder(stretches.back(), image.width, image.height, fps);
+      for (int i = 0; i < frames; ++i) encoder.add(image);
+      encoder.finish();
+    }
+    join_films(stretches, folder_.path() / "film.mp4", "mark");
+    FilmReader film(folder_.path() / "film.mp4");
+    int count = 0;
+    while (film.next()) ++count;
+    EXPECT_EQ(count, 121) << fps;
+    EXPECT_NEAR(film.duration() * fps, 121.0, 1e-3) << fps;
+  }
 }
 
 TEST_F(Film, OfOtherFramesIsBegunAnew) {
@@ -317,7 +339,7 @@ TEST_F(Film, OddSizesAreRefused) {
 }
 
 TEST_F(Film, MorePicturesThanHaveNamesAreRefused) {
-  options_.fps = 300.0;
+  options_.fps = 1e4;
   options_.speed = 1e-6;
   EXPECT_THROW((void)render_frames({&opened_}, folder_.path(), options_, {}), InputError);
   options_.fps = 1e300;
