@@ -83,6 +83,7 @@ Result run(const Options& options, Console& console) {
   // Relative where it can be: provenance should not name the machine's folders.
   const fs::path data = fs::proximate(options.data);
   fs::create_directories(folder);
+  require_place_of_report(folder / "report.html");
   Result result;
   {
     const Progress progress = console.progress("demo");

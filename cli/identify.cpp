@@ -127,6 +127,7 @@ IdentifyResult identify_into(const fs::path& rig_file, const fs::path& folder, i
   for (const RigTest& test : rig.tests) read.push_back(rig_file.parent_path() / test.file);
   require_apart({folder / "bushing.json", folder / "fit.json", folder / "report.html", folder / "report.json"}, read);
   require_only_draws(folder / "draws");
+  require_place_of_report(folder / "report.html");
   IdentifyResult result;
   try {
     result = identify(rig, {.threads = threads}, progress);

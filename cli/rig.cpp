@@ -229,7 +229,9 @@ ReplayRecord rig_into(const fs::path& rig_file, const fs::path& bushing_file, co
   const Bushing bushing = read_bushing(bushing_file);
   require_laws(rig, bushing, bushing_file.string());
   require_own_folder(rig, folder);
-  require_apart({folder / "rig.json", folder / "replay.json", folder / "report.json"}, {bushing_file});
+  require_apart({folder / "rig.json", folder / "replay.json", folder / "report.html", folder / "report.json"},
+                {bushing_file});
+  require_place_of_report(folder / "report.html");
   VirtualCampaign made = drive_campaign(rig, bushing, progress);
   made.replay.provenance = provenance_of(rig, bushing, bushing_file.string());
   made.replay.provenance.command =

@@ -49,6 +49,13 @@ else()
   target_compile_options(grouser_options INTERFACE $<$<NOT:$<CONFIG:Debug>>:-U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=3>)
 endif()
 
+# grouser_made_quickly(NAME): code that computes little. Optimised, it takes the compiler half as long again with sanitizers.
+function(grouser_made_quickly name)
+  if(GROUSER_SANITIZE)
+    target_compile_options(${name} PRIVATE -O0)
+  endif()
+endfunction()
+
 # grouser_library(NAME SOURCES ... HEADERS ... [PUBLIC libs] [PRIVATE libs]): one folder, one target.
 function(grouser_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;HEADERS;PUBLIC;PRIVATE" ${ARGN})

@@ -40,6 +40,11 @@ struct ChannelVerdict {
   std::string text;
 };
 
+/// Throws FileError where what bears the name of the page, or of the numbers beside it, is not to be replaced by them:
+/// a device, or anything but the numbers of an earlier report. write_report() asks, too, but a command that works for
+/// long before it should not learn it so late.
+void require_place_of_report(const std::filesystem::path& html_file);
+
 /// One HTML file (and the same numbers in a .json beside it) over fit, virtual rig and run folders in any mix, or over
 /// runs against a measurement, whose verdicts it returns. Uses DIR/film.mp4 of a run folder when it is there. Written
 /// whole or not at all. Throws InputError / FileError.

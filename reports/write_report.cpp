@@ -295,6 +295,8 @@ std::vector<ChannelEntry> run_channels(const std::filesystem::path& folder) {
 
 namespace {
 
+std::filesystem::path twin_of(std::filesystem::path html_file) { return html_file.replace_extension(".json"); }
+
 /// What bears the name of the numbers beside a page is their like, a link, whose place they take, or nothing: never a
 /// file that somebody else made.
 void require_twin(const std::filesystem::path& twin) {
@@ -307,18 +309,20 @@ void require_twin(const std::filesystem::path& twin) {
 
 }  // namespace
 
+void require_place_of_report(const std::filesystem::path& html_file) {
+  require_twin(twin_of(html_file));
+  refuse_device(html_file);
+}
+
 std::vector<ChannelVerdict> write_report(const std::vector<std::filesystem::path>& folders,
                                          const std::filesystem::path& html_file, const ReportOptions& options) {
-  std::filesystem::path twin = html_file;
-  twin.replace_extension(".json");
-  require_twin(twin);
-  refuse_device(html_file);
+  require_place_of_report(html_file);
   std::vector<ChannelVerdict> verdicts;
   const json page = options.against.empty() ? page_facts(open_folders(folders), options)
                                             : against_page(open_folders(folders), options, verdicts);
   const std::string html = render_page("report", page);
   if (options.progress && !options.progress({1.0, ""})) throw Interrupted("before the report was whole");
-  write_whole(twin, twin_text(page));
+  write_whole(twin_of(html_file), twin_text(page));
   write_whole(html_file, html);
   return verdicts;
 }

@@ -138,6 +138,16 @@ TEST(Identify, IntoAFolderOfAnotherProcessIsRefused) {
   EXPECT_TRUE(fs::exists(folder.path() / "fit/draws.part"));
 }
 
+TEST(Identify, LearnsBeforeItsWorkThatTheReportHasNoPlace) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "fit");
+  folder.write("fit/report.json", "notes of a user");
+  const CommandOutput output = grouser({"identify", plain_campaign(folder).string(), "-o", (folder / "fit").string()});
+  EXPECT_EQ(output.exit_code, 5);
+  EXPECT_THAT(output.err, HasSubstr("report.json: expected the numbers of an earlier report there"));
+  EXPECT_FALSE(fs::exists(folder / "fit" / "bushing.json"));
+}
+
 TEST(Identify, ListsCorrectionsAndChecksOfEveryAxis) {
   const TemporaryFolder folder;
   const Row reversed = [](double time, double x, double force) { return plain_row(time, x, -force); };
