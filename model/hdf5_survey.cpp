@@ -98,6 +98,11 @@ std::string failure_of(pid_t child) {
   return "a damaged HDF5 file, on which the HDF5 library itself fails";
 }
 
+pid_t fork_apart_from_hdf5() {
+  const std::lock_guard lock(hdf5_fork_mutex());
+  return ::fork();
+}
+
 std::string refusal_of(const std::filesystem::path& file) { return "cannot read " + printable(file.string()) + ": "; }
 
 void refuse_unopened(const std::filesystem::path& file) {
@@ -106,6 +111,11 @@ void refuse_unopened(const std::filesystem::path& file) {
 
 }  // namespace
 
+std::mutex& hdf5_fork_mutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
 void survey_hdf5(const std::filesystem::path& file) {
   refuse_unopened(file);
   const std::string refusal = refusal_of(file);
@@ -113,7 +123,7 @@ void survey_hdf5(const std::filesystem::path& file) {
   const std::string doubt = limits.system.rlim_cur < limits.wanted ? ", or too little memory to read it" : "";
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw FileError(refusal + std::strerror(errno));
-  const pid_t parent = ::getpid(), child = ::fork();
+  const pid_t parent = ::getpid(), child = fork_apart_from_hdf5();
   if (child == 0) survey_as_child(file, parent, ends);
   ::close(ends[1]);
   const std::string fault = take_all(ends[0]);

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <mutex>
 
 namespace grouser {
 
@@ -9,5 +10,9 @@ namespace grouser {
 /// only what cannot lead further is let through: plain datasets of 32- or 64-bit numbers and texts, stored in the file
 /// itself, chunks of sane size that are whole to the byte, no more values than the bytes stored can hold.
 void survey_hdf5(const std::filesystem::path& file);
+
+/// To be held by whoever calls HDF5 on a thread of its own: survey_hdf5() forks, and the child would wait for ever for
+/// HDF5's own lock if another thread held it at that moment.
+[[nodiscard]] std::mutex& hdf5_fork_mutex();
 
 }  // namespace grouser

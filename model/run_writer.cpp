@@ -4,6 +4,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "model/hdf5_survey.h"
 #include "model/run_file.h"
 #include "model/worker.h"
 
@@ -37,6 +38,8 @@ struct RunWriter::Impl {
 
   Impl(const std::filesystem::path& path, const std::vector<ChannelTable>& channel_tables,
        const std::map<std::string, std::vector<std::string>>& names);
+  /// A job that calls HDF5.
+  void post(std::function<void()> job);
   void append(std::size_t table, std::span<const double> row);
   void write_chunk(std::size_t table);
   void write_begun_chunks();
@@ -63,7 +66,14 @@ RunWriter::Impl::Impl(const std::filesystem::path& path, const std::vector<Chann
     for (std::vector<double>& chunk : made.spare) chunk.reserve(made.row_size * made.chunk_rows);
     made.chunk.reserve(made.row_size * made.chunk_rows);
   }
-  worker.post([] { silence_hdf5(); });  // a setting of each thread
+  post([] { silence_hdf5(); });  // a setting of each thread
+}
+
+void RunWriter::Impl::post(std::function<void()> job) {
+  worker.post([job = std::move(job)] {
+    const std::lock_guard lock(hdf5_fork_mutex());
+    job();
+  });
 }
 
 void RunWriter::Impl::append(std::size_t table_i, std::span<const double> row) {
@@ -77,7 +87,7 @@ void RunWriter::Impl::append(std::size_t table_i, std::span<const double> row) {
 /// Hands the full chunk over and begins another.
 void RunWriter::Impl::write_chunk(std::size_t table_i) {
   Table& table = tables[table_i];
-  worker.post([this, table_i, first = table.rows - table.chunk_rows, chunk = std::move(table.chunk)]() mutable {
+  post([this, table_i, first = table.rows - table.chunk_rows, chunk = std::move(table.chunk)]() mutable {
     file.write(table_i, first, chunk);
     chunk.clear();
     const std::lock_guard lock(mutex);
@@ -93,7 +103,7 @@ void RunWriter::Impl::write_begun_chunks() {
     const Table& table = tables[i];
     if (table.chunk.empty()) continue;
     const std::size_t first = table.rows - table.rows % table.chunk_rows;
-    worker.post([this, i, first, chunk = table.chunk] { file.write(i, first, chunk); });
+    post([this, i, first, chunk = table.chunk] { file.write(i, first, chunk); });
   }
 }
 
@@ -147,20 +157,18 @@ std::size_t RunWriter::chunks(std::size_t table) const {
 void RunWriter::publish() {
   impl_->published = true;
   impl_->write_begun_chunks();
-  impl_->worker.post([this] { impl_->file.publish(); });
+  impl_->post([this] { impl_->file.publish(); });
   impl_->worker.finish();
 }
 
 void RunWriter::flush() {
-  impl_->worker.post([this] { impl_->file.flush(); });
+  impl_->post([this] { impl_->file.flush(); });
 }
 
 void RunWriter::sync(std::function<void()> then) {
   impl_->write_begun_chunks();
-  impl_->worker.post([this, then = std::move(then)] {
-    impl_->file.sync();
-    then();
-  });
+  impl_->post([this] { impl_->file.sync(); });
+  impl_->worker.post(std::move(then));
 }
 
 void RunWriter::close() {
@@ -171,7 +179,7 @@ void RunWriter::close() {
   } else {
     publish();
   }
-  impl_->worker.post([this] { impl_->file.close(); });
+  impl_->post([this] { impl_->file.close(); });
   impl_->worker.finish();
 }
 
