@@ -78,9 +78,10 @@ void find_clipping(const PreparedTest& test, const std::vector<double>& channel,
     const auto first = other.begin() + static_cast<std::ptrdiff_t>(at);
     const auto [a, b] = std::minmax_element(first, first + static_cast<std::ptrdiff_t>(length));
     if (*b - *a < moved_enough || is_round(channel, top)) continue;
-    warnings.push_back({"clipped_sensor", test.source->name,
-                        fmt::format("{} stands at {:.6g} for {} samples from row {} while the other channel moves",
-                                    name, level, length, at + 1)});
+    warnings.push_back(
+        {"clipped_sensor", test.source->name,
+         fmt::format("{} stands at {:.6g} for {} samples from sample {} on while the other channel moves", name, level,
+                     length, at + 1)});
   }
 }
 
@@ -162,10 +163,9 @@ void find_spikes(const RigTest& test, const Channel& channel, std::vector<FitWar
   if (channel.values.empty()) return;
   std::vector<double> sorted = channel.values;
   std::ranges::sort(sorted);
-  const auto of_rank = [&](double share) {
-    return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
-  };
-  const double low = of_rank(k_rare), high = of_rank(1.0 - k_rare), range = high - low;
+  const std::size_t n = sorted.size(),
+                    rare = std::min(static_cast<std::size_t>(std::ceil(k_rare * static_cast<double>(n))), (n - 1) / 2);
+  const double low = sorted[rare], high = sorted[n - 1 - rare], range = high - low;
   std::size_t spikes = 0, first = 0, run = 0;
   for (std::size_t i = 0; i <= channel.values.size(); ++i) {
     if (i < channel.values.size() && (channel.values[i] < low - range || channel.values[i] > high + range)) {
@@ -178,8 +178,9 @@ void find_spikes(const RigTest& test, const Channel& channel, std::vector<FitWar
   if (spikes == 0 || range == 0.0) return;
   const Axis axis = test.axis;
   warnings.push_back({"spike", test.name,
-                      fmt::format("{} leaps to {} in row {} and back{}, where nearly all of it lies from {} to {}",
+                      fmt::format("{} leaps to {} in sample {}{} and back{}, where nearly all of it lies from {} to {}",
                                   channel.name, channel.show(channel.values[first], axis), first + 1,
+                                  test.time_measured ? fmt::format(" (at {:.6g} s)", test.time[first]) : "",
                                   spikes > 1 ? fmt::format(", and {} times more", spikes - 1) : "",
                                   channel.show(low, axis), channel.show(high, axis))});
 }

@@ -12,7 +12,7 @@ constexpr std::size_t k_most_findings = 20;
 // The names stand among the first so many lines that are not empty, and so many bytes.
 constexpr std::size_t k_head_lines = 200, k_head_bytes = 1u << 20;
 constexpr std::size_t k_most_columns = 10'000;
-constexpr double k_largest = 1e152;  // nobody measured it; products of two can still be summed
+constexpr double k_largest = 1e152;  // nobody measured it
 
 std::string row_place(std::size_t row) { return "row " + std::to_string(row); }
 

@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "model/calibration.h"
 #include "model/csv.h"
@@ -178,11 +179,21 @@ class ColumnFinder {
   Findings& findings_;
 };
 
-std::vector<double> converted(CsvColumn& column, const RigSensor* sensor = nullptr) {
+/// In SI units. What leaves the range of numbers there is a finding, the first of the column, and becomes 0.
+std::vector<double> converted(CsvColumn& column, Findings& findings, const RigSensor* sensor = nullptr) {
+  constexpr double k_largest = 1e300;  // the sum of two is a number, too
   const Unit unit = split_name_and_unit(column.name)->unit;
-  for (double& value : column.values) {
-    value = unit.to_si(value);
+  bool told = false;
+  for (std::size_t i = 0; i < column.values.size(); ++i) {
+    double& value = column.values[i];
+    const double raw = value;
+    value = unit.to_si(raw);
     if (sensor != nullptr) value = calibrated(sensor->calibration, value);
+    if (std::abs(value) <= k_largest) continue;
+    if (!std::exchange(told, true))
+      findings.add("column " + column.name + ", sample " + std::to_string(i + 1),
+                   "at most 1e300 in SI units, by unit and calibration", short_number(raw));
+    value = 0.0;
   }
   return std::move(column.values);
 }
@@ -287,18 +298,18 @@ std::string read_rig_columns(const std::filesystem::path& file, std::ifstream& s
   if (findings.empty() && is_asked_for(test, CorrectionKind::swap_columns)) swap_columns(channels, columns, findings);
   if (!findings.empty()) return {};
 
-  test.displacement = converted(columns[0], sensor_of(channels.displacement, 0));
-  test.force = converted(columns[1], sensor_of(channels.force, 0));
-  if (two) average(test, converted(columns.back(), sensor_of(channels.displacement, 1)));
+  test.displacement = converted(columns[0], findings, sensor_of(channels.displacement, 0));
+  test.force = converted(columns[1], findings, sensor_of(channels.force, 0));
+  if (two) average(test, converted(columns.back(), findings, sensor_of(channels.displacement, 1)));
   test.time_measured = !channels.time.empty();
   if (test.time_measured) {
-    test.time = converted(columns[2]);
+    test.time = converted(columns[2], findings);
     check_time(test.time, channels.time, findings);
   } else {
     build_time(entry);
   }
   if (!channels.temperature.empty()) {
-    test.temperature = converted(columns[test.time_measured ? 3 : 2]);
+    test.temperature = converted(columns[test.time_measured ? 3 : 2], findings);
     check_temperature(test.temperature, channels.temperature, thermal, findings);
   }
   return table.sha256();

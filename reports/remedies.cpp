@@ -21,8 +21,8 @@ constexpr std::array<Entry, 25> k_entries{{
     {"clipped_sensor", "A sensor reached its limit",
      "Repeat the test in a larger range of the sensor: what was cut off cannot be had back.", ""},
     {"spike", "Single samples leap out of the range",
-     "Look for a disturbance of the measurement (a loose cable, a switch, a fault of the logger), and take these rows "
-     "out of the file: other findings of the same test may come from them.",
+     "Look for a disturbance of the measurement (a loose cable, a switch, a fault of the logger), and take these "
+     "samples out of the file: other findings of the same test may come from them.",
      ""},
     {"swapped_columns", "Force and displacement stand in each other’s columns",
      "Name the columns in the rig file as they are, or ask for the correction.", "swap_columns"},

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "identification/diagnose.h"
 #include "identification/identify.h"
 #include "model/errors.h"
 #include "tests/identification/prepared.h"
@@ -48,12 +49,25 @@ TEST(Diagnosis, NamesSpikes) {
   RigTest force = loop(), displacement = loop(), burst = loop();
   force.force[600] = force.force[900] = -1e9;
   displacement.displacement[700] = 0.01;
+  displacement.time_measured = false;
   EXPECT_THAT(Prepared(force).text("spike"),
-              HasSubstr("force leaps to -1e+06 kN in row 601 and back, and 1 times more"));
+              HasSubstr("force leaps to -1e+06 kN in sample 601 (at 4 s) and back, and 1 times more"));
   EXPECT_THAT(Prepared(displacement).text("spike"),
-              HasSubstr("displacement leaps to 10 mm in row 701 and back, where"));
+              HasSubstr("displacement leaps to 10 mm in sample 701 and back, where"));
   for (std::size_t i = 600; i < 620; ++i) burst.force[i] *= 20.0;  // whatever it is, it lasts
   EXPECT_EQ(Prepared(burst).text("spike"), "");
+}
+
+TEST(Diagnosis, NamesSpikesOfEitherSignInShortRecords) {
+  for (const double sign : {1.0, -1.0}) {
+    RigTest ramp = loop();
+    for (std::vector<double>* each : {&ramp.time, &ramp.displacement, &ramp.force}) each->resize(40);
+    ramp.force[20] = 1e9 * sign;
+    std::vector<FitWarning> warnings;
+    find_spikes(ramp, warnings);
+    ASSERT_EQ(warnings.size(), 1U) << sign;
+    EXPECT_THAT(warnings[0].text, HasSubstr("in sample 21"));
+  }
 }
 
 TEST(Diagnosis, NamesReversedPolarityOfEitherChannel) {

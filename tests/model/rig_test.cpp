@@ -19,6 +19,8 @@ std::string rig(const std::string& file, const std::string& of_test, const std::
          R"("tests": [{"name": "t", "axis": ")" + axis + R"(", "file": ")" + file + "\", " + of_test + "}]}";
 }
 
+using ::testing::HasSubstr;
+
 TEST(RigFile, FindsColumnsByName) {
   const TemporaryFolder folder;
   folder.write("a.csv", "time_ms,displacement_mm,force_tonf\n0,0,0\n100,0.5,5\n");
@@ -57,6 +59,21 @@ TEST(RigFile, ReadsTorsionInDegrees) {
       folder.write("rig.json", rig("a.csv", R"("kind": "cyclic", "preset_deg": 14, "amplitude_deg": 8)", "", "ry")));
   EXPECT_DOUBLE_EQ(record.tests.at(0).displacement[1], 14.0 * 3.14159265358979323846 / 180.0);
   EXPECT_DOUBLE_EQ(*record.tests.at(0).preset, record.tests.at(0).displacement[1]);
+}
+
+TEST(RigSensors, WhatLeavesTheRangeOfNumbersIsAFinding) {
+  const TemporaryFolder folder;
+  folder.write("a.csv", "time_s,lvdt_V,force_kN\n0,0,0\n1,1e120,1\n2,-1e120,2\n");
+  const std::string sensors = R"("sensors": {"displacement": [
+      {"column": "lvdt_V", "sensitivity_mm_per_V": 0.5, "linearity": [0, 1]}]}, )";
+  try {
+    (void)read_rig(folder.write("rig.json", rig("a.csv", R"("kind": "cyclic")", sensors)));
+    FAIL();
+  } catch (const InputError& error) {
+    ASSERT_EQ(error.findings().size(), 1U);
+    EXPECT_THAT(error.what(), HasSubstr("a.csv: column lvdt_V, sample 2: expected at most 1e300 in SI units, by unit "
+                                        "and calibration, found 1e+120"));
+  }
 }
 
 TEST(RigSensors, CalibrateVoltsAndGiveStretchAndTilt) {
