@@ -49,9 +49,10 @@ else()
   target_compile_options(grouser_options INTERFACE $<$<NOT:$<CONFIG:Debug>>:-U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=3>)
 endif()
 
-# grouser_made_quickly(NAME): code that computes little. Optimised, it takes the compiler half as long again with sanitizers.
+# grouser_made_quickly(NAME): code that computes little. Optimised, it takes the compiler half as long again with sanitizers. Fuzzers
+# are to execute all of it as often as they can.
 function(grouser_made_quickly name)
-  if(GROUSER_SANITIZE)
+  if(GROUSER_SANITIZE AND NOT GROUSER_FUZZ)
     target_compile_options(${name} PRIVATE -O0)
   endif()
 endfunction()
