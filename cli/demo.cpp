@@ -8,6 +8,7 @@
 #include "cli/processes.h"
 #include "cli/stages.h"
 #include "cli/usage.h"
+#include "model/replace_file.h"
 #include "reports/report.h"
 #include "simulator/simulate.h"
 
@@ -84,6 +85,7 @@ Result run(const Options& options, Console& console) {
   const fs::path data = fs::proximate(options.data);
   fs::create_directories(folder);
   require_place_of_report(folder / "report.html");
+  for (const char* name : {"identification", "virtual_rig", "run_a", "run_b"}) require_own_result(folder / name);
   Result result;
   {
     const Progress progress = console.progress("demo");
@@ -113,6 +115,11 @@ Result run(const Options& options, Console& console) {
 }
 
 }  // namespace
+
+void require_own_result(const fs::path& folder) {
+  require_own(folder);
+  require_place_of_report(folder / "report.html");
+}
 
 Command add_demo(CLI::App& root) {
   CLI::App* app =

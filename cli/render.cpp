@@ -60,7 +60,7 @@ void check_times(const std::vector<RunFolder>& runs, const std::vector<double>& 
   std::vector<InputFinding> findings;
   for (const double time : times) {
     if (time >= 0.0 && time <= end) continue;
-    findings.push_back({"--still", "", fmt::format("0 to {:g} s", end), fmt::format("{:g}", time), ""});
+    findings.push_back({"--still", "", fmt::format("0 to {} s", end), fmt::format("{}", time), ""});
   }
   if (!findings.empty()) throw InputError(findings);
 }
@@ -151,10 +151,11 @@ Command add_render(CLI::App& root) {
       ->capture_default_str()
       ->check(CLI::Validator(
           [options](std::string& text) { return read_size(text, options->render.width, options->render.height); }, ""));
-  app->add_option("--fps", options->render.fps, "Pictures a second of the film")
+  app->add_option("--fps", options->render.fps, "Pictures a second of the film, 0.001 to 10000")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app->add_option("--speed", options->render.speed, "Seconds of the run in a second of the film; 0.25 is slow motion")
+  app->add_option("--speed", options->render.speed,
+                  "Seconds of the run in a second of the film, 1e-6 to 1e6; 0.25 is slow motion")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app->add_option("--camera", options->render.camera,

@@ -8,6 +8,7 @@
 #include "cli/stages.h"
 #include "cli/usage.h"
 #include "model/errors.h"
+#include "model/replace_file.h"
 
 namespace grouser::cli {
 namespace {
@@ -51,10 +52,11 @@ Result run(const Options& options, Console& console) {
   if (options.list_channels) return list_channels(options);
   const fs::path file = report_file(options);
   if (!options.file.empty() && file.has_parent_path()) fs::create_directories(file.parent_path());
+  if (!options.against.empty()) require_apart({file}, {options.against});
   ReportOptions report = options.report;
   if (report.from >= report.to)
     throw InputError(
-        {"--from", "", fmt::format("a time before --to, {:g} s", report.to), fmt::format("{:g} s", report.from), ""});
+        {"--from", "", fmt::format("a time before --to, {} s", report.to), fmt::format("{} s", report.from), ""});
   report.against = options.against;
   report.progress = console.progress("report");
   for (const std::string& channel : options.channels) report.channels.push_back(taken_apart(channel));

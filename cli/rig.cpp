@@ -52,6 +52,7 @@ void require_own_folder(const RigRecord& rig, const fs::path& folder) {
   for (const char* name : {"fit.json", "run.json"}) {
     if (fs::exists(folder / name)) refuse(name);
   }
+  if (fs::exists(folder / "rig.json") && !fs::exists(folder / "replay.json")) refuse("rig.json of another campaign");
 }
 
 /// The name of a test as a file name that no other test has: plain letters, fewer than file systems take.

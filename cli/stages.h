@@ -38,6 +38,10 @@ struct SimulateRequest {
 [[nodiscard]] std::filesystem::path still_into(const RunFolder& run, double time, const RenderOptions& options,
                                                const std::filesystem::path& folder);
 
+/// Throws FileError where a link stands in the place of a result's folder, or another's file in that of its report:
+/// before the work, of the results that demo makes at names of its own.
+void require_own_result(const std::filesystem::path& folder);
+
 /// What `demo --study` knows.
 [[nodiscard]] std::vector<std::string> study_names();
 /// Runs of one scenario that differ in what the study varies, side by side in processes of their own:

@@ -65,7 +65,8 @@ Result run_study(const std::string& name, const fs::path& given_data, const fs::
   const Study study = study_called(name);
   const fs::path data = fs::proximate(given_data), own = folder / name;
   fs::create_directories(own);
-  require_place_of_report(own / "report.html");
+  require_own_result(own);
+  for (const Case& each : study.cases) require_own_result(own / each.name);
   Result result;
   std::vector<Job> jobs;
   std::vector<fs::path> runs;

@@ -61,6 +61,13 @@ void refuse_device(const fs::path& file) {
     refuse(file, "expected a file there or nothing, found a pipe, a device or a socket");
 }
 
+void require_place_of_file(const fs::path& file) {
+  refuse_device(file);
+  std::error_code unknown;
+  if (fs::is_directory(fs::symlink_status(file, unknown)))
+    refuse(file, "expected a file there or nothing, found a folder");
+}
+
 void require_apart(const std::vector<fs::path>& made, const std::vector<fs::path>& read) {
   std::error_code absent;
   for (const fs::path& output : made)

@@ -16,6 +16,9 @@ void require_own_file(const std::filesystem::path& file);
 /// Throws FileError where what bears the name is a pipe, a device or a socket: a file would replace it.
 void refuse_device(const std::filesystem::path& file);
 
+/// Ditto, also for a folder: where no file could be put.
+void require_place_of_file(const std::filesystem::path& file);
+
 /// Throws FileError where one of `made`, which a command is about to write, is one of `read`, which it was given.
 void require_apart(const std::vector<std::filesystem::path>& made, const std::vector<std::filesystem::path>& read);
 

@@ -68,7 +68,8 @@ RigSensor read_sensor(ObjectReader& r, bool measures_force) {
 double read_of_rig(ObjectReader& r, const std::string& name, const Dimension& dimension, double most) {
   const double value = r.quantity_or(name, dimension, 0.0, Range::non_negative);
   if (value <= most) return value;
-  r.report(r.key_of(name), "at most " + shown(Json(most)) + " " + usual_unit(dimension), shown(Json(value)));
+  r.report(r.key_of(name), "at most " + shown(Json(most)) + " " + usual_unit(dimension),
+           shown(Json(value)) + " " + usual_unit(dimension));
   return 0.0;
 }
 

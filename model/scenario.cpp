@@ -132,6 +132,13 @@ AxisScale read_bushing_scale(ObjectReader& r) {
   return scale;
 }
 
+/// s. A step adds to the time: where that is long, neighbouring doubles are further apart than steps.
+constexpr double k_longest_run = 1e6, k_longest_assembly = 1e3;
+
+void require_at_most(ObjectReader& r, const char* name, double time, double most) {
+  if (time > most) r.report(r.key_of(name), "at most " + Json(most).dump() + " s", Json(time).dump() + " s");
+}
+
 /// The scenario's own document; the files that it names come later.
 void read_own(ObjectReader& r, Scenario& scenario, TerrainEntry& terrain) {
   scenario.name = r.text("name");
@@ -145,6 +152,7 @@ void read_own(ObjectReader& r, Scenario& scenario, TerrainEntry& terrain) {
     }
   });
   scenario.duration = r.quantity("duration", d::time, Range::positive);
+  require_at_most(r, "duration", scenario.duration, k_longest_run);
   scenario.gravity = r.quantity_or("gravity", d::acceleration, scenario.gravity, Range::positive);
   scenario.bushing_scale = read_bushing_scale(r);
   r.optional_object("output", [&](ObjectReader& o) { scenario.output = read_output(o); });
@@ -152,6 +160,7 @@ void read_own(ObjectReader& r, Scenario& scenario, TerrainEntry& terrain) {
   r.optional_object("assembly", [&](ObjectReader& a) {
     scenario.assembly.settle_time =
         a.quantity_or("settle_time", d::time, scenario.assembly.settle_time, Range::positive);
+    require_at_most(a, "settle_time", scenario.assembly.settle_time, k_longest_assembly);
     scenario.assembly.step = a.quantity_or("step", d::time, scenario.assembly.step, Range::positive);
   });
 }
@@ -347,6 +356,10 @@ double table_value(const std::vector<double>& time, const std::vector<double>& v
 
 Scenario read_scenario(const std::filesystem::path& file, const ScenarioOverrides& overrides) {
   return ScenarioReader(file, overrides).read();
+}
+
+std::vector<std::string> input_names() {
+  return {"scenario.json", "vehicle.json", "bushing.json", "bushing_left.json", "bushing_right.json", "profile.csv"};
 }
 
 void write_inputs(const Scenario& scenario, const std::filesystem::path& run_folder) {

@@ -111,6 +111,8 @@ struct ScenarioOverrides {
 /// Reads `grouser.scenario/1` and the files it names; throws InputError with the findings of all of them.
 [[nodiscard]] Scenario read_scenario(const std::filesystem::path& file, const ScenarioOverrides& overrides = {});
 
+/// Names of the files that write_inputs() may write.
+[[nodiscard]] std::vector<std::string> input_names();
 /// Writes the documents of a run into run_folder/inputs/ (scenario.json, vehicle.json, bushing.json, and profile.csv of
 /// a terrain that has one), which then name one another: read_scenario(run_folder / "inputs/scenario.json") gives the
 /// same scenario again.

@@ -12,6 +12,7 @@
 #include "reports/number_text.h"
 #include "reports/pages.h"
 #include "reports/report.h"
+#include "reports/twin.h"
 
 namespace grouser {
 namespace {
@@ -103,17 +104,17 @@ json rig_card(const std::filesystem::path& folder) {
 
 /// The first of the study's small multiples, from the numbers of its report.
 std::optional<Figure> study_picture(const json& report) {
-  if (!report["study"].is_object()) return std::nullopt;
-  const json& data = report["study"]["figure"]["tiles"][0]["data"];
-  const json& x = report["study"]["parameter"]["values"];
-  Panel panel{.title = data["title"], .x_label = data["x_label"], .y_label = data["y_label"]};
-  panel.log_x = x.front() > 0.0 && x.back() >= 4.0 * x.front().get<double>();
-  for (const json& series : data["series"])
-    panel.series.push_back({.name = series["name"],
-                            .x = series["x"],
-                            .y = series["y"],
-                            .style = series["name"] == "" ? SeriesStyle::points : SeriesStyle::line,
-                            .width = series["name"] == "" ? 3.5f : 1.8f,
+  if (!report.at("study").is_object()) return std::nullopt;
+  const json& data = report.at("study").at("figure").at("tiles").at(0).at("data");
+  const json& x = report.at("study").at("parameter").at("values");
+  Panel panel{.title = data.at("title"), .x_label = data.at("x_label"), .y_label = data.at("y_label")};
+  panel.log_x = x.at(0) > 0.0 && x.at(x.size() - 1) >= 4.0 * x.at(0).get<double>();
+  for (const json& series : data.at("series"))
+    panel.series.push_back({.name = series.at("name"),
+                            .x = series.at("x"),
+                            .y = series.at("y"),
+                            .style = series.at("name") == "" ? SeriesStyle::points : SeriesStyle::line,
+                            .width = series.at("name") == "" ? 3.5f : 1.8f,
                             .hue = static_cast<int>(panel.series.size() / 2)});
   Figure figure{.name = "study", .panels = {panel}};
   figure.width = 800;
@@ -132,10 +133,10 @@ std::optional<std::filesystem::path> run_below(const std::filesystem::path& fold
 /// Runs that were compared in a folder of their own: a study of the demo.
 json study_card(const std::filesystem::path& folder) {
   const json report = json::parse(read_whole(folder / "report.json"));
-  const json& runs = report["comparison"]["runs"];
-  const auto passed = std::ranges::count_if(runs, [](const json& run) { return run["pass"].get<bool>(); });
+  const json& runs = report.at("comparison").at("runs");
+  const auto passed = std::ranges::count_if(runs, [](const json& run) { return run.at("pass").get<bool>(); });
   const bool all = passed == static_cast<long>(runs.size());
-  json facts{{"kind", "Study"}, {"title", report["page_title"]}};
+  json facts{{"kind", "Study"}, {"title", report.at("page_title")}};
   facts["verdict"] = {
       {"pass", all},
       {"partial", passed > 0},
@@ -145,9 +146,9 @@ json study_card(const std::filesystem::path& folder) {
   facts["numbers"] = json::array();
   for (const json& run : runs)
     facts["numbers"].push_back(
-        {{"label", run["name"]},
-         {"text",
-          run["pass"].get<bool>() || run["status"] != "completed" ? run["status"] : json("not all checks pass")}});
+        {{"label", run.at("name")},
+         {"text", run.at("pass").get<bool>() || run.at("status") != "completed" ? run.at("status")
+                                                                                : json("not all checks pass")}});
   facts["payload_picture"] = facts["payload_dark"] = false;
   if (const std::optional<Figure> figure = study_picture(report)) {
     facts["payload_picture"] = encoded(draw(*figure, Theme::light, 1.5));
@@ -158,16 +159,26 @@ json study_card(const std::filesystem::path& folder) {
     facts["alt"] = "The vehicle of the study";
   }
   facts["links"] = file_links(folder, {"report.html", "report.json"});
-  facts["is_synthetic"] = report["comparison"]["is_synthetic"];
+  facts["is_synthetic"] = report.at("comparison").at("is_synthetic");
   return card(folder, facts);
+}
+
+/// Throws FileError where the report says that it is of ours, and is not as this program writes it.
+json checked_study_card(const std::filesystem::path& folder) {
+  try {
+    return study_card(folder);
+  } catch (const json::exception& error) {
+    throw FileError("cannot read " + (folder / "report.json").string() +
+                    ": expected the numbers of compared runs, found " + error.what());
+  }
 }
 
 /// A folder without a result of its own whose report compares the runs below it.
 bool holds_study(const std::filesystem::path& folder) {
   for (const char* own : {"run.json", "fit.json", "replay.json"})
     if (std::filesystem::exists(folder / own)) return false;
-  const std::filesystem::path report = folder / "report.json";
-  return std::filesystem::exists(report) && json::parse(read_whole(report)).value("compares", false);
+  const json head = head_of_twin(folder / "report.json");
+  return head.is_object() && head.value("compares", json()) == true;
 }
 
 }  // namespace
@@ -182,7 +193,7 @@ void write_index(const std::filesystem::path& folder) {
     if (std::filesystem::exists(child / "fit.json")) page["cards"].push_back(fit_card(child));
     if (std::filesystem::exists(child / "replay.json")) page["cards"].push_back(rig_card(child));
     if (std::filesystem::exists(child / "run.json")) page["cards"].push_back(run_card(child));
-    if (holds_study(child)) page["cards"].push_back(study_card(child));
+    if (holds_study(child)) page["cards"].push_back(checked_study_card(child));
   }
   if (page["cards"].empty())
     throw InputError(InputFinding{folder.string(), "", "folders with a run.json or a fit.json", "none", ""});

@@ -41,8 +41,8 @@ struct ChannelVerdict {
 };
 
 /// Throws FileError where what bears the name of the page, or of the numbers beside it, is not to be replaced by them:
-/// a device, or anything but the numbers of an earlier report. write_report() asks, too, but a command that works for
-/// long before it should not learn it so late.
+/// a folder, a device, or other numbers than those of an earlier report. write_report() asks, too, but a command that
+/// works for long before it should not learn it so late.
 void require_place_of_report(const std::filesystem::path& html_file);
 
 /// One HTML file (and the same numbers in a .json beside it) over fit, virtual rig and run folders in any mix, or over

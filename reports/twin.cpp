@@ -2,10 +2,14 @@
 
 #include <algorithm>
 
+#include "model/provenance.h"
+
 namespace grouser {
 namespace {
 
 using nlohmann::json;
+
+constexpr std::uintmax_t k_largest_twin = 100 << 20;  ///< bytes; a page of ten runs has 2 MB
 
 bool plain(const json& value) {
   return std::ranges::all_of(value, [](const json& item) { return item.is_number() || item.is_null(); });
@@ -51,6 +55,15 @@ std::string twin_text(const json& facts) {
   std::string text;
   write(without_payloads(facts), 0, text);
   return text + "\n";
+}
+
+json head_of_twin(const std::filesystem::path& file) {
+  std::error_code unknown;
+  if (!std::filesystem::is_regular_file(file, unknown) || std::filesystem::file_size(file, unknown) > k_largest_twin)
+    return {};
+  const auto shallow = [](int depth, json::parse_event_t, json&) { return depth < 2; };
+  json head = json::parse(read_whole(file), shallow, false);
+  return head.is_object() && head.value("format", json()) == k_report_format ? head : json();
 }
 
 }  // namespace grouser

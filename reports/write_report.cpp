@@ -22,7 +22,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* k_report_format = "grouser.report/1";
 constexpr std::ptrdiff_t k_longest_path = 64;  // parts; one folder given twice cannot be told apart
 
 /// Folders that hold a run, a fit or a virtual rig's replay; a folder that holds none is the user's mistake.
@@ -300,9 +299,8 @@ std::filesystem::path twin_of(std::filesystem::path html_file) { return html_fil
 /// What bears the name of the numbers beside a page is their like, a link, whose place they take, or nothing: never a
 /// file that somebody else made.
 void require_twin(const std::filesystem::path& twin) {
-  if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(twin))) return;
-  const json there = json::parse(read_whole(twin), nullptr, false);
-  if (there.is_object() && there.value("format", json()) == k_report_format) return;
+  if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(twin)) || head_of_twin(twin).is_object())
+    return;
   throw FileError("cannot write " + twin.string() + ": expected the numbers of an earlier report there (" +
                   k_report_format + ") or nothing, found another file");
 }
@@ -310,8 +308,8 @@ void require_twin(const std::filesystem::path& twin) {
 }  // namespace
 
 void require_place_of_report(const std::filesystem::path& html_file) {
+  for (const std::filesystem::path& made : {html_file, twin_of(html_file)}) require_place_of_file(made);
   require_twin(twin_of(html_file));
-  refuse_device(html_file);
 }
 
 std::vector<ChannelVerdict> write_report(const std::vector<std::filesystem::path>& folders,

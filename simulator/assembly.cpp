@@ -15,6 +15,7 @@
 namespace grouser {
 namespace {
 
+constexpr long k_steps_between_reports = 500;
 constexpr double k_slack = 0.02;        // m, pin line shorter than the track at the start
 constexpr double k_ramp_time = 0.6;     // s, stiffness from 2 % to 100 %
 constexpr double k_free_time = 0.75;    // s, settling without damping at the end; as long for the fading before it
@@ -102,7 +103,7 @@ class Settling {
 
   void run(const Progress& progress) {
     const double total = system_.scenario.assembly.settle_time;
-    double told = -1.0;
+    long steps = 0;
     while (stepper_.state().time < 0.0) {
       const double elapsed = stepper_.state().time + total;
       turn_knobs(elapsed, total);
@@ -110,10 +111,8 @@ class Settling {
         throw NumericalError(
             fmt::format("assembly, {:.3f} s after its start: {}", elapsed, step_failure(system_, stepper_, status)));
       }
-      if (progress && elapsed > told + 0.02 * total) {
-        told = elapsed;
-        if (!progress({elapsed / total, "assembly"})) throw Interrupted("in the assembly");
-      }
+      if (progress && steps++ % k_steps_between_reports == 0 && !progress({elapsed / total, "assembly"}))
+        throw Interrupted("in the assembly");
     }
   }
   [[nodiscard]] const Stepper& stepper() const { return stepper_; }

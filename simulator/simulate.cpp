@@ -72,6 +72,13 @@ FolderLock locked(const std::filesystem::path& folder) {
   return lock;
 }
 
+/// Throws where what a run from time 0 writes would replace what it was given.
+void require_inputs_apart(const Scenario& scenario, const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> made{folder / "run.h5", folder / "run.json", folder / "checkpoint"};
+  for (const std::string& name : input_names()) made.push_back(folder / "inputs" / name);
+  require_apart(made, scenario.files);
+}
+
 /// Throws where the run could not begin, before anything of an earlier run is touched.
 void require_place(const Scenario& scenario, const std::filesystem::path& folder) {
   constexpr std::uintmax_t k_least_run = 1 << 20;  // bytes, beside the longest of the inputs
@@ -102,7 +109,7 @@ bool only_begun(const std::filesystem::path& folder) {
 }  // namespace
 
 RunSummary simulate(const Scenario& scenario, const std::filesystem::path& folder, const Progress& progress) {
-  require_apart({folder / "run.h5", folder / "run.json", folder / "checkpoint"}, scenario.files);
+  require_inputs_apart(scenario, folder);
   const System system = compile(scenario);
   const RunStart start = assembled(system, progress);
   std::filesystem::create_directories(folder);
@@ -113,6 +120,7 @@ RunSummary simulate(const Scenario& scenario, const std::filesystem::path& folde
 RunSummary resume(const Scenario& scenario, const std::filesystem::path& folder, const Progress& progress) {
   const FolderLock lock = locked(folder);
   refuse_ended(folder);
+  if (only_begun(folder)) require_inputs_apart(scenario, folder);
   const System system = compile(scenario);
   if (only_begun(folder)) return begin_run(system, assembled(system, progress), folder, progress);
   RunSummary summary = start_summary(system);

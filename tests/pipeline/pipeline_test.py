@@ -209,6 +209,35 @@ class Pipeline(unittest.TestCase):
         refused = subprocess.run([COMMAND, "export", run_dir], capture_output=True, text=True, check=False)
         self.assertEqual((refused.returncode, os.listdir(elsewhere)), (5, []), refused.stderr)
 
+    def test_rig_does_not_write_over_another_campaign(self):
+        campaign = self.path("other_campaign")
+        shutil.copytree(os.path.join(DATA, "rig", "reference"), campaign)
+        before = self.read_json("other_campaign", "rig.json")
+        refused = subprocess.run([COMMAND, "rig", os.path.join(DATA, "rig", "reference", "rig.json"), "--bushing",
+                                  os.path.join(DATA, "bushings", "reference.json"), "-o", campaign],
+                                 capture_output=True, text=True, check=False)
+        self.assertEqual(refused.returncode, 5, refused.stderr)
+        self.assertIn("found rig.json of another campaign", refused.stderr)
+        self.assertEqual(self.read_json("other_campaign", "rig.json"), before)
+
+    def test_report_does_not_write_over_its_measurement(self):
+        measured = self.path("measured.html")
+        with open(measured, "w", encoding="utf-8") as file:
+            file.write("time_s,speed_km_per_h\n0,0\n1,1\n")
+        refused = subprocess.run([COMMAND, "report", self.run_dir, "--against", measured, "-o", measured],
+                                 capture_output=True, text=True, check=False)
+        self.assertEqual(refused.returncode, 5, refused.stderr)
+        self.assertIn("expected a name that no input has", refused.stderr)
+
+    def test_demo_learns_before_its_work_where_it_may_not_write(self):
+        out, elsewhere = self.path("demo"), self.path("kept_run")
+        os.mkdir(out)
+        os.mkdir(elsewhere)
+        os.symlink(elsewhere, os.path.join(out, "run_a"))
+        refused = subprocess.run([COMMAND, "demo", "-o", out], capture_output=True, text=True, check=False)
+        self.assertEqual((refused.returncode, os.listdir(elsewhere), os.listdir(out)), (5, [], ["run_a"]), refused.stderr)
+        self.assertIn("run_a: expected no symbolic link there", refused.stderr)
+
     def test_identify_does_not_write_over_its_campaign(self):
         campaign = self.path("campaign")
         shutil.copytree(os.path.join(DATA, "rig", "reference"), campaign)

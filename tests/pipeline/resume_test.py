@@ -155,6 +155,18 @@ class Resume(unittest.TestCase):
         self.assertIn("cannot write in run/inputs: File too large", done.stderr)
         self.compare(folder)
 
+    def test_a_run_does_not_write_over_inputs_that_stand_where_it_keeps_its_own(self):
+        folder = self.folder("own_inputs")
+        shutil.copytree(os.path.join(self.whole, "run", "inputs"), os.path.join(folder, "inputs"))
+        scenario = os.path.join(folder, "inputs", "scenario.json")
+        with open(scenario, "rb") as file:
+            before = file.read()
+        done = subprocess.run([COMMAND, "simulate", scenario, "-o", folder, "--set", "duration_s=0.3"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 5, done.stderr)
+        self.assertIn("inputs/scenario.json: expected a name that no input has", done.stderr)
+        with open(scenario, "rb") as file:
+            self.assertEqual(file.read(), before)
+
     def test_a_run_does_not_take_the_name_of_its_scenario(self):
         folder = self.folder("own_scenario")
         shutil.copytree(os.path.join(self.whole, "run", "inputs"), os.path.join(folder, "inputs"))

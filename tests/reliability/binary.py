@@ -211,7 +211,7 @@ LINKED = {
         (["run.h5.part", "run.json.part", "checkpoint.part", "inputs"], ["run.h5", "run.json", "checkpoint", "inputs/vehicle.json"]),
     ("identify", "rig/rig.json", "-o", "{out}"): (["bushing.json.part", "draws"], ["fit.json", "draws.part"]),
     ("render", "run", "--frames", "--size", "96x54", "--fps", "20", "-o", "{out}"):
-        (["frame_000001.png.part", ".frames.part", ".frames.lock"], ["frame_000001.png", ".frames"]),
+        (["frame_000001.png.part", ".frames", ".frames.part", ".frames.lock"], ["frame_000001.png"]),
     ("render", "run", "--film", "film.mp4", "--size", "96x54", "--fps", "20", "-o", "{out}"):
         ([".film.stretches", ".film.partial.mp4", ".film.stretches/stretch_0000.mp4"], ["film.mp4"]),
     ("report", "fit", "-o", "{out}/report.html"): (["report.html.part", "report.json.part"], ["report.html", "report.json"]),

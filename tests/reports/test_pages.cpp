@@ -1,4 +1,5 @@
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 
 #include <chrono>
 #include <cmath>
@@ -266,6 +267,15 @@ TEST_F(Pages, NoFileThatIsNoReportIsReplaced) {
   EXPECT_EQ(read_whole(folder_ / "vehicle.json"), R"({"format": "grouser.vehicle/1"})");
   report({"run_a"});
   EXPECT_NO_THROW(report({"run_a"}));  // its own numbers of the last time
+}
+
+TEST_F(Pages, NeitherAPipeNorAFolderIsReplaced) {
+  ASSERT_EQ(mkfifo((folder_ / "pipe.json").c_str(), 0600), 0);
+  EXPECT_THROW(require_place_of_report(folder_ / "pipe.html"), FileError);
+  std::filesystem::create_directory(folder_ / "folder.html");
+  EXPECT_THROW(require_place_of_report(folder_ / "folder.html"), FileError);
+  std::ofstream(folder_ / "deep.json") << std::string(1'000'000, '[');
+  EXPECT_THROW(require_place_of_report(folder_ / "deep.html"), FileError);
 }
 
 TEST_F(FitPages, NamesOfAFitStayText) {
@@ -573,6 +583,19 @@ TEST_F(Pages, IndexLinksEveryFolderRelatively) {
     EXPECT_THAT(html, HasSubstr(link));
   EXPECT_THAT(html, Not(HasSubstr(folder_.path().string())));
   EXPECT_THAT(visible_text(html), HasSubstr("Synthetic data"));
+}
+
+TEST_F(Pages, IndexTakesNoOtherFileForTheReportOfAStudy) {
+  const std::filesystem::path stranger = folder_ / "stranger";
+  std::filesystem::create_directory(stranger);
+  for (const char* text :
+       {"[1, 2]", "no JSON", R"({"format": "lint/1", "compares": true})", R"({"compares": "yes"})"}) {
+    std::ofstream(stranger / "report.json") << text;
+    write_index(folder_.path());
+    EXPECT_THAT(read_whole(folder_ / "index.html"), Not(HasSubstr("stranger"))) << text;
+  }
+  std::ofstream(stranger / "report.json") << R"({"format": "grouser.report/1", "compares": true})";
+  EXPECT_THROW(write_index(folder_.path()), FileError);
 }
 
 TEST_F(Pages, IndexOfAFolderWithoutResultsIsRefused) {
