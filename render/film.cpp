@@ -45,7 +45,7 @@ struct FrameTimes {
   double first = 0.0, interval = 1.0;
   int count = 1;
   FrameTimes(const SplitScreen& screen, const RenderOptions& options) : first(screen.first_time()) {
-    require("fps", options.fps, 1e-3, 1e4);  // stretches of faster films were seen not to join
+    require("fps", options.fps, 1e-3, 1e4);  // tried from end to end
     require("speed", options.speed, 1e-6, 1e6);
     interval = options.speed / options.fps;
     const double pictures = (screen.last_time() - first) / interval;
@@ -155,7 +155,10 @@ int render_film(const Runs& runs, const fs::path& file, const RenderOptions& opt
   const FrameTimes times(screen, options);
   const std::string hidden = "." + file.stem().string(), mark = film_mark(runs);
   const fs::path stretches = file.parent_path() / (hidden + ".stretches");
+  const fs::path joined = file.parent_path() / (hidden + ".partial.mp4");
   require_own(stretches);
+  require_own_file(joined);
+  require_place_of_file(file);
   PartStore store(stretches, k_stretches, digest_of(mark, options), (times.count - 1) / k_stretch + 1);
   for (int first = store.done() * k_stretch; first < times.count; first += k_stretch) {
     FilmEncoder encoder(store.next(), options.width, options.height, options.fps);
@@ -163,7 +166,7 @@ int render_film(const Runs& runs, const fs::path& file, const RenderOptions& opt
     sync_file(store.next());
     store.add();
   }
-  TemporaryFile partial(file.parent_path() / (hidden + ".partial.mp4"));
+  TemporaryFile partial(joined);
   try {
     join_films(store.files(), partial.path(), mark);
     check_film(partial.path(), times, options);

@@ -78,8 +78,8 @@ bool read_packet(AVFormatContext& in, AVPacket& packet, const fs::path& film) {
 /// How long each frame of a stretch is shown, in its time base: the same for all. (av_read_frame() guesses it, and
 /// leaves it at 0 from 1000 fields a second on.)
 std::int64_t duration_of_frame(const AVStream& stream, const fs::path& film) {
-  if (stream.nb_frames <= 0 || stream.duration < stream.nb_frames)
-    throw DamagedFilm(not_readable(film) + ": expected frames");
+  if (stream.nb_frames <= 0 || stream.duration <= 0 || stream.duration % stream.nb_frames != 0)
+    throw DamagedFilm(not_readable(film) + ": expected frames of one duration");
   return stream.duration / stream.nb_frames;
 }
 
@@ -174,7 +174,7 @@ void join_films(const std::vector<fs::path>& stretches, const fs::path& file, co
   Mp4Writer out(file);
   out.describe(comment);
   const AvPacketHandle packet(made(av_packet_alloc(), file));
-  std::int64_t start = 0;  // of a stretch, in the time base of the result
+  std::int64_t start = 0, last = INT64_MIN;  // of a stretch; of the packets so far: in the time base of the result
   for (const fs::path& stretch : stretches) {
     const AvInputHandle in = open_film(stretch);
     const AVStream& from = *in->streams[0];
@@ -185,14 +185,18 @@ void join_films(const std::vector<fs::path>& stretches, const fs::path& file, co
       out.begin();
     }
     const std::int64_t shown = duration_of_frame(from, stretch);
-    while (read_packet(*in, *packet, stretch)) {
+    std::int64_t count = 0;
+    for (; read_packet(*in, *packet, stretch); ++count) {
       packet->duration = shown;
       av_packet_rescale_ts(packet.get(), from.time_base, out.stream().time_base);
       packet->pts += start;
       packet->dts += start;
       packet->pos = -1;
+      if (packet->dts <= last) throw DamagedFilm(not_readable(stretch) + ": expected frames in their order");
+      last = packet->dts;
       out.write(*packet);
     }
+    if (count != from.nb_frames) throw DamagedFilm(not_readable(stretch) + ": expected all of its frames");
     start += av_rescale_q(shown * from.nb_frames, from.time_base, out.stream().time_base);
   }
   out.finish();

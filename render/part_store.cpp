@@ -9,6 +9,7 @@
 
 #include "model/errors.h"
 #include "model/provenance.h"
+#include "model/replace_file.h"
 
 namespace grouser {
 
@@ -26,6 +27,12 @@ fs::path made_folder(fs::path folder) {
 /// Not the folder's own lock: frames may stand in that of a run which is still being written.
 std::string lock_name(const PartNames& names) { return std::string(names.mark) + ".lock"; }
 
+/// A part in its place; not a link or a pipe that somebody put there.
+bool is_whole(const fs::path& part) {
+  std::error_code unknown;
+  return fs::is_regular_file(fs::symlink_status(part, unknown));
+}
+
 }  // namespace
 
 PartStore::PartStore(fs::path folder, PartNames names, std::string digest, int count)
@@ -34,11 +41,12 @@ PartStore::PartStore(fs::path folder, PartNames names, std::string digest, int c
       lock_(folder_, names.whole, lock_name(names)),
       digest_(std::move(digest)),
       count_(count) {
+  require_own(folder_ / names_.mark);
   std::ifstream known(folder_ / names_.mark);
   std::string of;
   int marked = 0;
   const bool ours = known >> of >> marked && of == digest_;
-  while (ours && done_ < std::min(marked, count_) && fs::exists(file_of(done_))) ++done_;
+  while (ours && done_ < std::min(marked, count_) && is_whole(file_of(done_))) ++done_;
   if (!ours || done_ != marked) write_mark();  // before half a part takes the place of one that the mark calls whole
 }
 

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <fstream>
@@ -105,6 +106,31 @@ TEST_F(Film, OfStretchesIsAsLongAsItsFramesAtAnyRate) {
   }
 }
 
+/// Writes a stretch of so many grey frames.
+void write_stretch(const fs::path& file, int frames) {
+  const Image image{32, 18, std::vector<std::uint8_t>(std::size_t{3 * 32 * 18}, 90)};
+  FilmEncoder encoder(file, image.width, image.height, 25.0);
+  for (int i = 0; i < frames; ++i) encoder.add(image);
+  encoder.finish();
+}
+
+/// A stretch that lies about its length would push those behind it out of order, which the result would be blamed for.
+TEST_F(Film, AStretchThatTellsOfOtherFramesThanItHoldsIsDamaged) {
+  const fs::path damaged = folder_.path() / "stretch_0.mp4", other = folder_.path() / "stretch_1.mp4";
+  write_stretch(other, 60);
+  for (const std::pair<const char*, int>& count : {std::pair{"stts", 28}, {"stts", 61}, {"stsz", 28}}) {
+    write_stretch(damaged, 60);
+    std::string bytes = read_whole(damaged);
+    const std::size_t box = bytes.find(count.first);
+    ASSERT_NE(box, std::string::npos);
+    ASSERT_EQ(bytes[box + 15], count.first == std::string("stts") ? 60 : bytes[box + 15]);
+    bytes[box + 15] = static_cast<char>(count.second);
+    std::ofstream(damaged, std::ios::binary) << bytes;
+    EXPECT_THROW(join_films({damaged, other}, folder_.path() / "film.mp4", "mark"), DamagedFilm)
+        << count.first << count.second;
+  }
+}
+
 TEST_F(Film, OfOtherFramesIsBegunAnew) {
   options_.fps = 140.0;
   const fs::path file = folder_.path() / "film.mp4";
@@ -206,6 +232,19 @@ TEST_F(Film, AMarkThatCountsTooManyPartsIsNotBelieved) {
   EXPECT_EQ(PartStore(target, k_names, "digest", 2).done(), 2);
 }
 
+/// A pipe would hold whoever opens it for ever.
+TEST_F(Film, APipeInPlaceOfAMarkIsRefusedAndInPlaceOfAPartDoesNotCount) {
+  const fs::path target = folder_.path() / "parts";
+  constexpr PartNames k_names{"part_", 2, ".txt", "done", "set of parts"};
+  fs::create_directories(target);
+  ASSERT_EQ(mkfifo((target / "part_00.txt").c_str(), 0600), 0);
+  std::ofstream(target / "done") << "digest 1\n";
+  EXPECT_EQ(PartStore(target, k_names, "digest", 3).done(), 0);
+  fs::remove(target / "done");
+  ASSERT_EQ(mkfifo((target / "done").c_str(), 0600), 0);
+  EXPECT_THROW(PartStore(target, k_names, "digest", 3), FileError);
+}
+
 TEST_F(Film, IsLeftToTheProcessThatMakesIt) {
   const fs::path target = folder_.path() / "frames";
   ASSERT_EQ(render_frames({&opened_}, target, options_, stop_after(2)), 2);
@@ -245,6 +284,22 @@ TEST_F(Film, KeepsItsStretchesWhereItCannotBeWritten) {
   fs::create_directories(folder_.path() / ".film.partial.mp4/inside");  // neither written over nor removed
   EXPECT_THROW((void)render_film(run(), file, options_), FileError);
   EXPECT_TRUE(fs::exists(stretches / "stretch_0001.mp4"));
+}
+
+TEST_F(Film, LearnsBeforeItsFirstFrameThatItHasNoPlace) {
+  const fs::path file = folder_.path() / "film.mp4", partial = folder_.path() / ".film.partial.mp4";
+  const auto refused = [&] {
+    int asked = 0;
+    const auto count = [&asked](const ProgressReport&) { return ++asked > 0; };
+    EXPECT_THROW((void)render_film(run(), file, options_, count), FileError);
+    return asked == 0;
+  };
+  fs::create_directory(file);
+  EXPECT_TRUE(refused());
+  fs::remove(file);
+  fs::create_symlink("elsewhere", partial);
+  EXPECT_TRUE(refused());
+  EXPECT_TRUE(fs::is_symlink(partial));  // not ours to remove
 }
 
 TEST_F(Film, KeepsItsStretchesWhereTheSystemRefusesToReadOne) {
