@@ -9,7 +9,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::uintmax_t k_largest_twin = 100 << 20;  ///< bytes; a page of ten runs has 2 MB
+constexpr std::uintmax_t k_largest_twin = 100 << 20;  ///< bytes; that of the reference fit has 1.5 MB
 
 bool plain(const json& value) {
   return std::ranges::all_of(value, [](const json& item) { return item.is_number() || item.is_null(); });
