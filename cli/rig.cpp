@@ -10,6 +10,7 @@
 #include "identification/corrections.h"
 #include "identification/evaluate_fit.h"
 #include "model/errors.h"
+#include "model/provenance.h"
 #include "model/replace_file.h"
 #include "model/rig_writer.h"
 #include "reports/report.h"
@@ -37,6 +38,13 @@ void require_laws(const RigRecord& rig, const Bushing& bushing, const std::strin
   if (!findings.empty()) throw InputError(findings);
 }
 
+constexpr const char* k_computed = "computed by the virtual rig, not measured";
+
+/// A rig.json that no virtual rig wrote: its note tells, also where a kill left it without its replay.json.
+bool is_campaign_of_others(const fs::path& rig_file) {
+  return fs::is_regular_file(rig_file) && read_whole(rig_file).find(k_computed) == std::string::npos;
+}
+
 /// The output has a folder of its own: never the campaign's, nor that of a fit or a run, whose report it would replace.
 void require_own_folder(const RigRecord& rig, const fs::path& folder) {
   const auto refuse = [&](const std::string& found) {
@@ -52,7 +60,7 @@ void require_own_folder(const RigRecord& rig, const fs::path& folder) {
   for (const char* name : {"fit.json", "run.json"}) {
     if (fs::exists(folder / name)) refuse(name);
   }
-  if (fs::exists(folder / "rig.json") && !fs::exists(folder / "replay.json")) refuse("rig.json of another campaign");
+  if (is_campaign_of_others(folder / "rig.json")) refuse("rig.json of another campaign");
 }
 
 /// The name of a test as a file name that no other test has: plain letters, fewer than file systems take.
@@ -158,11 +166,9 @@ VirtualCampaign drive_campaign(const RigRecord& rig, const Bushing& bushing, con
   made.rig.specimen = made.replay.bushing = bushing.name;
   made.replay.specimen = rig.specimen;
   made.rig.synthetic = true;
-  made.rig.synthetic_note = fmt::format(
-      "computed by the virtual rig, not measured: the simulator's bushing element with the law \"{}\"{}, driven "
-      "through "
-      "the tests of \"{}\"",
-      bushing.name, bushing.synthetic ? " (from synthetic data)" : "", rig.specimen);
+  made.rig.synthetic_note =
+      fmt::format("{}: the simulator's bushing element with the law \"{}\"{}, driven through the tests of \"{}\"",
+                  k_computed, bushing.name, bushing.synthetic ? " (from synthetic data)" : "", rig.specimen);
   return made;
 }
 
