@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "model/errors.h"
 #include "tests/support/test_data.h"
 
@@ -133,6 +135,20 @@ TEST(RunInputs, KeepABushingOfOneTrack) {
   write_inputs(scenario, folder.path());
   EXPECT_EQ(read_scenario(folder.path() / "inputs/scenario.json").vehicle.side(Side::right).track.bushing,
             "bushing_right.json");
+}
+
+/// What is held against the inputs of a run before it begins.
+TEST(RunInputs, AreAllNamedBeforehand) {
+  const TemporaryFolder folder;
+  const std::string own = test_data("broken/good_bushing.json").string();
+  write_inputs(run_a({{"vehicle.left.track.bushing", own}, {"vehicle.right.track.bushing", own}}), folder.path());
+  write_inputs(read_scenario(test_data("scenarios/run_a_rms_course.json")), folder.path());
+  std::vector<std::string> written, named = input_names();
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path() / "inputs"))
+    written.push_back(entry.path().filename().string());
+  std::ranges::sort(written);
+  std::ranges::sort(named);
+  EXPECT_EQ(written, named);
 }
 
 }  // namespace
