@@ -162,7 +162,7 @@ def pipeline(part, confined, thorough):
 
 def hostile_names(part, confined):
     """A rig campaign whose tests are called like paths; the virtual rig makes a file for each."""
-    names = ["../../escaped", "/tmp/grouser_escaped", "..", ".", "a/b/c", "~/x", "x\ny", "a\x00b", "$(touch escaped)",
+    names = ["../../escaped", os.path.join(confined.folder, "escaped"), "..", ".", "a/b/c", "~/x", "x\ny", "a\x00b", "$(touch escaped)",
              "`touch escaped`;|&", "-o", "C:\\escaped", "con", "\u202egnp", "n" * 300, "\u00fc" * 200, " ", "rig"]
     folder = os.path.join(confined.folder, "names")
     os.makedirs(os.path.join(folder, "inner"))
@@ -176,7 +176,6 @@ def hostile_names(part, confined):
     out = os.path.join(folder, "inner/out")
     outside = {path for path in tree(confined.folder) - before if not os.path.join(confined.folder, path).startswith(out)}
     part.require(not outside, f"files outside the output folder: {sorted(outside)}")
-    part.require(not os.path.exists("/tmp/grouser_escaped.csv"), "/tmp/grouser_escaped.csv was written")
     written = [name for name in os.listdir(out) if name.endswith(".csv")]
     part.require(len(written) == len(names), f"{len(names)} tests made {len(written)} files")
     for name in written:
